@@ -1,0 +1,2 @@
+//! The `steerguard` command.
+fn main() {}
