@@ -1,2 +1,36 @@
+//! Steering-fault detector: what runs each sample.
+//!
+//! A Takagi-Sugeno observer with nonlinear consequents estimates the vehicle state from speed, yaw
+//! rate and the commanded input; the windowed RMS of its residual against a threshold raises the
+//! alarm. Gains come from outside, as numbers in a [`Configuration`].
+//!
+//! # Conventions
+//! - Axes ISO 8855: x forward, y left, yaw rate counter-clockwise. SI units throughout.
+//! - State `x = [v_x, v_y, r]` in m/s, m/s, rad/s; measurement `y = C x = [v_x, r]`;
+//!   input `u = [T_eng, delta]` in N m at the wheels and rad at the road wheel.
+//! - Sample k holds `y_k` and the input `u_k` that acts from sample k to k + 1. The residual `r_k`
+//!   uses `y_k` and nothing later.
+//! - Matrices are arrays of rows.
+//! - Only `+ - * /` and `sqrt`, in a fixed order: results are bit-identical on every platform.
+//! - Numbers in brackets are equations of Wang et al., IFAC CESCIT 2021,
+//!   doi 10.1016/j.ifacol.2021.10.033; "corrected" refers to `designer/METHOD.md`.
+
 #![no_std]
-//! Steerguard.
+#![forbid(unsafe_code)]
+
+mod algebra;
+mod configuration;
+mod detector;
+mod evaluation;
+mod observer;
+mod range;
+mod ts_model;
+mod vehicle;
+
+pub use configuration::{Configuration, ConfigurationError};
+pub use detector::{Detector, Initialisation, LARGEST_MAGNITUDE, Monitor, Output, State};
+pub use evaluation::{Evaluation, MAX_WINDOW, Rms, StartUp};
+pub use observer::{Gains, Observer};
+pub use range::{Interval, OperatingRange};
+pub use ts_model::{C, RULES, TsModel};
+pub use vehicle::{Input, Measurement, Vehicle, VehicleState, rk4};

@@ -1,0 +1,85 @@
+//! Everything the detector is told: plain numbers, checked once before it runs.
+
+use crate::{Evaluation, Gains, Interval, MAX_WINDOW, TsModel};
+
+/// A detector's numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Configuration {
+    /// Vehicle, sampling period and design range S_x.
+    pub model: TsModel,
+    /// Hysteresis of arming for [v_x, v_y, r] in m/s, m/s, rad/s: the detector disarms outside S_x
+    /// and arms inside S_x shrunk by these; not negative.
+    pub hysteresis: [f64; 3],
+    /// Observer gains.
+    pub gains: Gains,
+    /// Residual evaluation.
+    pub evaluation: Evaluation,
+}
+
+/// Why a configuration cannot run: the first field that is not finite or out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConfigurationError {
+    /// Name of the field.
+    pub field: &'static str,
+}
+
+impl core::fmt::Display for ConfigurationError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "detector configuration: `{}` is not finite or out of range", self.field)
+    }
+}
+
+impl core::error::Error for ConfigurationError {}
+
+impl Configuration {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] with the name of the first field out of its documented range.
+    pub fn check(&self) -> Result<(), ConfigurationError> {
+        let v = &self.model.vehicle;
+        let range = &self.model.range;
+        let e = &self.evaluation;
+        let g = &self.gains;
+        let armed = range.shrunk(self.hysteresis);
+        let proper = |i: Interval| i.min < i.max && i.min.is_finite() && i.max.is_finite();
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let not_negative = |x: f64| x >= 0.0 && x.is_finite();
+        let finite = |x: &f64| x.is_finite();
+
+        for (field, holds) in [
+            ("mass", positive(v.mass_kg)),
+            ("yaw inertia", positive(v.yaw_inertia_kg_m2)),
+            ("effective longitudinal inertia", positive(v.effective_longitudinal_inertia_kg_m)),
+            ("front axle distance", positive(v.front_axle_distance_m)),
+            ("rear axle distance", positive(v.rear_axle_distance_m)),
+            ("front cornering stiffness", positive(v.front_cornering_stiffness_n_per_rad)),
+            ("rear cornering stiffness", positive(v.rear_cornering_stiffness_n_per_rad)),
+            ("longitudinal drag", not_negative(v.longitudinal_drag_n_m_s2_per_m2)),
+            ("lateral drag", not_negative(v.lateral_drag_n_s2_per_m2)),
+            ("sampling period", positive(self.model.sampling_period_s)),
+            ("v_x range", proper(range.v_x) && range.v_x.min > 0.0),
+            ("v_y range", proper(range.v_y) && range.v_y.contains(0.0)),
+            ("r range", proper(range.r)),
+            ("hysteresis", self.hysteresis.iter().all(|&x| not_negative(x))),
+            ("v_x hysteresis", proper(armed.v_x)),
+            ("v_y hysteresis", proper(armed.v_y) && armed.v_y.contains(0.0)),
+            ("r hysteresis", proper(armed.r)),
+            ("N", g.n.as_flattened().as_flattened().iter().all(finite)),
+            ("L", g.l.as_flattened().as_flattened().iter().all(finite)),
+            ("M", g.m.as_flattened().iter().all(finite)),
+            ("E", g.e.as_flattened().iter().all(finite)),
+            ("window", (1..=MAX_WINDOW).contains(&e.window)),
+            ("weights", e.weights.iter().all(|&x| not_negative(x))),
+            ("threshold", positive(e.threshold)),
+            ("start-up amplitude", not_negative(e.start_up_amplitude)),
+            ("start-up decay", not_negative(e.start_up_decay) && e.start_up_decay < 1.0),
+            ("debounce", e.debounce_samples >= 1),
+        ] {
+            if !holds {
+                return Err(ConfigurationError { field });
+            }
+        }
+        Ok(())
+    }
+}

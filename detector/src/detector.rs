@@ -1,0 +1,207 @@
+//! The detector: observer, evaluation and decision, armed only where its guarantee holds.
+
+use crate::{
+    Configuration, ConfigurationError, Evaluation, Input, Measurement, Observer, OperatingRange,
+    Rms, StartUp, VehicleState,
+};
+
+/// Inputs and measurements of this magnitude and more count as invalid, in SI units; below it no
+/// sum of products in the detector can overflow.
+pub const LARGEST_MAGNITUDE: f64 = 1e9;
+
+/// Which condition holds at the last sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Monitor {
+    /// No sample yet.
+    #[default]
+    Starting,
+    /// Residual, J and alarm are valid.
+    Monitoring,
+    /// The measurement or the estimated lateral speed lies outside S_x: the alarm is withheld.
+    OutOfRange,
+    /// A measurement or input is not finite or larger than [`LARGEST_MAGNITUDE`]: the other outputs
+    /// keep their last values, and the observer starts anew at the next valid sample.
+    InvalidInput,
+}
+
+/// How the observer starts at the first sample; every later start is from the measurement.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Initialisation {
+    /// `z_0 = M [v_x, 0, r]`: covered by the threshold's start-up term.
+    #[default]
+    FirstMeasurement,
+    /// A given z_0, such as the paper's zero: its transient is not covered by the threshold.
+    Given(VehicleState),
+}
+
+/// Results of the last sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Output {
+    /// Residual `r = y - C x^` in m/s and rad/s; zero where no observer runs.
+    pub residual: Measurement,
+    /// Estimated lateral speed, m/s.
+    pub v_y_hat: f64,
+    /// J, the windowed RMS of the weighted residual.
+    pub j_rms: f64,
+    /// J_th, the threshold that J is held against; positive.
+    pub j_th: f64,
+    /// Whether a fault is detected at this sample.
+    pub alarm: bool,
+    /// Which condition holds.
+    pub monitor: Monitor,
+    /// Index of the sample that raised the first alarm.
+    pub first_alarm: Option<u64>,
+}
+
+/// All that changes from sample to sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Index of the sample to come.
+    pub sample: u64,
+    /// Observer state z before the sample to come; meaningful while `tracking`.
+    pub z: VehicleState,
+    /// Whether z has followed every sample since the observer's last start.
+    pub tracking: bool,
+    /// Whether alarms are given.
+    pub armed: bool,
+    /// Residual window.
+    pub rms: Rms,
+    /// Threshold's start-up term.
+    pub start_up: StartUp,
+    /// Consecutive samples with `J >= J_th`.
+    pub exceedances: u32,
+    /// Results of the last sample.
+    pub output: Output,
+}
+
+/// A steering-fault detector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detector {
+    observer: Observer,
+    armed_range: OperatingRange,
+    evaluation: Evaluation,
+    /// Factor on J_th, positive; 1 is the design's threshold.
+    pub threshold_factor: f64,
+    /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
+    pub debounce_samples: u32,
+    /// How the observer starts at the first sample.
+    pub initialisation: Initialisation,
+    /// What the samples so far have left.
+    pub state: State,
+}
+
+impl Detector {
+    /// A detector before its first sample.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] where a number is not finite or out of its range.
+    pub fn new(configuration: &Configuration) -> Result<Self, ConfigurationError> {
+        configuration.check()?;
+        let Configuration { model, hysteresis, gains, evaluation } = *configuration;
+        Ok(Self {
+            observer: Observer { model, gains },
+            armed_range: model.range.shrunk(hysteresis),
+            evaluation,
+            threshold_factor: 1.0,
+            debounce_samples: evaluation.debounce_samples,
+            initialisation: Initialisation::FirstMeasurement,
+            state: State {
+                sample: 0,
+                z: [0.0; 3],
+                tracking: false,
+                armed: false,
+                rms: Rms::EMPTY,
+                start_up: StartUp::RESTARTED,
+                exceedances: 0,
+                output: Output { j_th: evaluation.threshold, ..Output::default() },
+            },
+        })
+    }
+
+    /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
+    pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
+        let valid = |x: &f64| -LARGEST_MAGNITUDE < *x && *x < LARGEST_MAGNITUDE;
+        if y.iter().chain(&u).all(valid) {
+            self.track(y);
+            if self.state.tracking {
+                self.observe(y, u);
+            }
+            self.decide();
+        } else {
+            // Time passes unseen: z is void, the last results stand.
+            self.state.tracking = false;
+            self.state.armed = false;
+            self.state.output.monitor = Monitor::InvalidInput;
+        }
+        self.state.sample += 1;
+        &self.state.output
+    }
+
+    /// Stops the observer outside S_x and starts it, armed, inside the armed range.
+    fn track(&mut self, y: Measurement) {
+        let inside = |range: &OperatingRange| range.v_x.contains(y[0]) && range.r.contains(y[1]);
+        if !inside(&self.observer.model.range) {
+            self.state.tracking = false;
+            self.state.armed = false;
+        } else if !self.state.armed && inside(&self.armed_range) {
+            let v_y_may_arm = self.armed_range.v_y.contains(self.state.output.v_y_hat);
+            if !self.state.tracking || v_y_may_arm {
+                self.start(y);
+            }
+        }
+    }
+
+    /// Starts the observer at measurement `y` with an empty window.
+    fn start(&mut self, y: Measurement) {
+        let state = &mut self.state;
+        state.z = match self.initialisation {
+            Initialisation::Given(z_0) if state.sample == 0 => z_0,
+            _ => self.observer.start(y),
+        };
+        state.tracking = true;
+        state.armed = true;
+        state.rms = Rms::EMPTY;
+        state.start_up = StartUp::RESTARTED;
+        state.exceedances = 0;
+    }
+
+    /// Residual and J of this sample, and z of the next.
+    fn observe(&mut self, y: Measurement, u: Input) {
+        let state = &mut self.state;
+        let x_hat = self.observer.estimate(state.z, y);
+        state.z = self.observer.advance(state.z, y, u, x_hat[1]);
+
+        let residual = [y[0] - x_hat[0], y[1] - x_hat[2]]; // (10)
+        let [w_v_x, w_r] = self.evaluation.weights;
+        let weighted = [w_v_x * residual[0], w_r * residual[1]];
+        let square = weighted[0] * weighted[0] + weighted[1] * weighted[1];
+        let start_up_term = state.start_up.next(&self.evaluation);
+
+        state.output.residual = residual;
+        state.output.v_y_hat = x_hat[1];
+        state.output.j_rms = state.rms.push(square, self.evaluation.window);
+        state.output.j_th = self.threshold_factor * (self.evaluation.threshold + start_up_term);
+        // The bound on rho (15) holds only while the estimate stays in S_x too.
+        state.armed &= self.observer.model.range.v_y.contains(x_hat[1]);
+    }
+
+    /// Alarm and condition of this sample.
+    fn decide(&mut self) {
+        let state = &mut self.state;
+        let output = &mut state.output;
+        if !state.tracking {
+            *output = Output {
+                j_th: self.threshold_factor * self.evaluation.threshold,
+                first_alarm: output.first_alarm,
+                ..Output::default()
+            };
+        }
+        let exceeds = state.armed && output.j_rms >= output.j_th;
+        state.exceedances = if exceeds { state.exceedances.saturating_add(1) } else { 0 };
+        output.alarm = exceeds && state.exceedances >= self.debounce_samples;
+        output.monitor = if state.armed { Monitor::Monitoring } else { Monitor::OutOfRange };
+        if output.alarm && output.first_alarm.is_none() {
+            output.first_alarm = Some(state.sample);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Residual evaluation: windowed RMS, and the threshold's start-up term (METHOD.md 6).
+
+/// Longest window, samples.
+pub const MAX_WINDOW: usize = 256;
+
+/// How the residual is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Window of the RMS, samples, `1..=MAX_WINDOW`.
+    pub window: usize,
+    /// Diagonal of W_r, for the residuals of v_x (per m/s) and r (per rad/s); not negative.
+    pub weights: [f64; 2],
+    /// Threshold on J once the start-up has passed, positive.
+    pub threshold: f64,
+    /// Bound on the start-up residual: `||W_r r_j|| <= amplitude decay^j`, not negative.
+    pub start_up_amplitude: f64,
+    /// Decay rate of the start-up residual for each sample, in `[0, 1)`.
+    pub start_up_decay: f64,
+    /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
+    pub debounce_samples: u32,
+}
+
+/// RMS over the last samples: `J(k) = sqrt(1/window sum ||W_r r||^2)`.
+///
+/// Samples before the start count zero and the divisor stays the window. Each J is summed anew from
+/// the oldest sample to the newest: a running sum would drift by rounding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rms {
+    /// Squares of the last samples; the first `window` entries are a ring.
+    pub squares: [f64; MAX_WINDOW],
+    /// Place of the oldest square, where the next one goes; below the window.
+    pub oldest: usize,
+}
+
+impl Rms {
+    /// An empty window.
+    pub const EMPTY: Self = Self { squares: [0.0; MAX_WINDOW], oldest: 0 };
+
+    /// Takes a sample's `square` and returns the RMS over the last `window` samples.
+    pub fn push(&mut self, square: f64, window: usize) -> f64 {
+        if let Some(place) = self.squares.get_mut(self.oldest) {
+            *place = square;
+        }
+        self.oldest = if self.oldest + 1 < window { self.oldest + 1 } else { 0 };
+
+        let ring = self.squares.get(..window).unwrap_or(&self.squares);
+        let (newer, older) = ring.split_at_checked(self.oldest).unwrap_or((&[], ring));
+        let mut sum = 0.0;
+        for square in older {
+            sum += square;
+        }
+        for square in newer {
+            sum += square;
+        }
+        libm::sqrt(sum / window as f64)
+    }
+}
+
+/// Start-up term of the threshold: the RMS that `amplitude decay^j`, j counted from the observer's
+/// start, would have in the same window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartUp {
+    /// `decay^(2 j)` of the sample to come.
+    pub power: f64,
+    /// `sum decay^(2 i)` over the window that ends at the last sample.
+    pub sum: f64,
+    /// Samples in that window.
+    pub samples: usize,
+}
+
+impl StartUp {
+    /// Before the first sample after a start.
+    pub const RESTARTED: Self = Self { power: 1.0, sum: 0.0, samples: 0 };
+
+    /// The term at the next sample.
+    pub fn next(&mut self, evaluation: &Evaluation) -> f64 {
+        let decay_squared = evaluation.start_up_decay * evaluation.start_up_decay;
+        if self.samples < evaluation.window {
+            self.sum += self.power;
+            self.power *= decay_squared;
+            self.samples += 1;
+        } else {
+            // The window has left the start: each of its terms shrinks by the same factor.
+            self.sum *= decay_squared;
+        }
+        evaluation.start_up_amplitude * libm::sqrt(self.sum / evaluation.window as f64)
+    }
+}

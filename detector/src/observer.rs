@@ -1,0 +1,49 @@
+//! Unknown-input-like fuzzy observer (10) with gains (11)-(13).
+
+use crate::algebra::{blend, product, sum};
+use crate::ts_model::{RULES, TsModel};
+use crate::{Input, Measurement, VehicleState};
+
+/// Gains of the observer (10).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains {
+    /// N_i, 3 x 3 each.
+    pub n: [[[f64; 3]; 3]; RULES],
+    /// L_i, 3 x 2 each.
+    pub l: [[[f64; 2]; 3]; RULES],
+    /// M = I + E C, 3 x 3.
+    pub m: [[f64; 3]; 3],
+    /// E, 3 x 2.
+    pub e: [[f64; 2]; 3],
+}
+
+/// The observer (10): maps from one sample to the next; its state z is kept by the caller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observer {
+    /// Model the gains belong to.
+    pub model: TsModel,
+    /// Gains.
+    pub gains: Gains,
+}
+
+impl Observer {
+    /// `z = M [v_x, 0, r]`: the estimate starts at the measurement with no lateral speed, so the
+    /// error starts at `[0, v_y, 0]` and the residual at zero.
+    pub fn start(&self, [v_x, r]: Measurement) -> VehicleState {
+        product(&self.gains.m, &[v_x, 0.0, r])
+    }
+
+    /// `x^ = z - E y` (10).
+    pub fn estimate(&self, z: VehicleState, y: Measurement) -> VehicleState {
+        let e_y = product(&self.gains.e, &y);
+        [z[0] - e_y[0], z[1] - e_y[1], z[2] - e_y[2]]
+    }
+
+    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x.
+    pub fn advance(&self, z: VehicleState, y: Measurement, u: Input, v_y_hat: f64) -> VehicleState {
+        let h = self.model.membership(y);
+        let linear =
+            sum(product(&blend(&h, &self.gains.n), &z), product(&blend(&h, &self.gains.l), &y));
+        sum(linear, product(&self.gains.m, &self.model.consequent(y, u, v_y_hat)))
+    }
+}

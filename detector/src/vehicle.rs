@@ -1,0 +1,108 @@
+//! Nonlinear two-degree-of-freedom vehicle model with longitudinal speed, (1)-(3).
+
+use crate::algebra::sum;
+
+/// State `x = [v_x, v_y, r]` in m/s, m/s, rad/s.
+pub type VehicleState = [f64; 3];
+/// Measurement `y = [v_x, r]` in m/s, rad/s.
+pub type Measurement = [f64; 2];
+/// Input `u = [T_eng, delta]` in N m at the wheels, rad at the road wheel.
+pub type Input = [f64; 2];
+
+/// Vehicle data, Table 1 of the paper. All values positive and finite; drags may be zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vehicle {
+    /// M_v, kg.
+    pub mass_kg: f64,
+    /// I_z, kg m^2.
+    pub yaw_inertia_kg_m2: f64,
+    /// I_e, kg m: mass times effective wheel radius, so that T_eng / I_e is an acceleration
+    /// (the paper's "kg m^2" is corrected: METHOD.md 1).
+    pub effective_longitudinal_inertia_kg_m: f64,
+    /// l_f, m: centre of gravity to front axle.
+    pub front_axle_distance_m: f64,
+    /// l_r, m: centre of gravity to rear axle.
+    pub rear_axle_distance_m: f64,
+    /// C_f, N/rad, of one front tyre.
+    pub front_cornering_stiffness_n_per_rad: f64,
+    /// C_r, N/rad, of one rear tyre.
+    pub rear_cornering_stiffness_n_per_rad: f64,
+    /// C_x, N m/(m/s)^2: C_x v_x^2 is the drag's torque at the wheels.
+    pub longitudinal_drag_n_m_s2_per_m2: f64,
+    /// C_y, N/(m/s)^2: C_y v_y^2 is a force.
+    pub lateral_drag_n_s2_per_m2: f64,
+}
+
+impl Vehicle {
+    /// The passenger car of Table 1.
+    pub const PAPER: Self = Self {
+        mass_kg: 1476.0,
+        yaw_inertia_kg_m2: 1810.0,
+        effective_longitudinal_inertia_kg_m: 442.8,
+        front_axle_distance_m: 1.13,
+        rear_axle_distance_m: 1.49,
+        front_cornering_stiffness_n_per_rad: 57000.0,
+        rear_cornering_stiffness_n_per_rad: 59000.0,
+        longitudinal_drag_n_m_s2_per_m2: 0.35,
+        lateral_drag_n_s2_per_m2: 0.45,
+    };
+
+    /// Slip angles `[front, rear]` in rad at state `x`, `v_x > 0`, and road-wheel angle `delta`.
+    pub fn slip_angles(&self, [v_x, v_y, r]: VehicleState, delta: f64) -> [f64; 2] {
+        [
+            delta - (v_y + self.front_axle_distance_m * r) / v_x,
+            (self.rear_axle_distance_m * r - v_y) / v_x,
+        ]
+    }
+
+    /// Axle forces `[F_yf, F_yr]` in N (2): two linear tyres an axle.
+    pub fn axle_forces(&self, x: VehicleState, delta: f64) -> [f64; 2] {
+        let [front, rear] = self.slip_angles(x, delta);
+        [
+            2.0 * self.front_cornering_stiffness_n_per_rad * front,
+            2.0 * self.rear_cornering_stiffness_n_per_rad * rear,
+        ]
+    }
+
+    /// `dx/dt` (1) under given axle forces in N and drive torque `t_eng` in N m at the wheels.
+    pub fn derivative_under(
+        &self,
+        [v_x, v_y, r]: VehicleState,
+        t_eng: f64,
+        [front, rear]: [f64; 2],
+    ) -> VehicleState {
+        [
+            (t_eng - self.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x)
+                / self.effective_longitudinal_inertia_kg_m
+                + v_y * r,
+            (front + rear - self.lateral_drag_n_s2_per_m2 * v_y * v_y) / self.mass_kg - v_x * r,
+            (self.front_axle_distance_m * front - self.rear_axle_distance_m * rear)
+                / self.yaw_inertia_kg_m2,
+        ]
+    }
+
+    /// `dx/dt` of (3) with linear tyres, for `v_x > 0`.
+    pub fn derivative(&self, x: VehicleState, [t_eng, delta]: Input) -> VehicleState {
+        self.derivative_under(x, t_eng, self.axle_forces(x, delta))
+    }
+
+    /// Drive torque in N m at the wheels that holds `v_x` on a straight road.
+    pub fn cruise_torque(&self, v_x: f64) -> f64 {
+        self.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x
+    }
+}
+
+/// One step of length `h` of the classical Runge-Kutta method for `dx/dt = f(x)`: what simulations
+/// of the vehicle integrate with; the observer itself is discrete.
+pub fn rk4<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], x: [f64; N], h: f64) -> [f64; N] {
+    let along = |slope: [f64; N], h: f64| sum(x, slope.map(|s| h * s));
+    let k_1 = f(x);
+    let k_2 = f(along(k_1, h / 2.0));
+    let k_3 = f(along(k_2, h / 2.0));
+    let k_4 = f(along(k_3, h));
+    let mut slope = k_1;
+    for (((slope, k_2), k_3), k_4) in slope.iter_mut().zip(k_2).zip(k_3).zip(k_4) {
+        *slope = (*slope + 2.0 * k_2 + 2.0 * k_3 + k_4) / 6.0;
+    }
+    along(slope, h)
+}
