@@ -1,0 +1,240 @@
+//! What the detector does at the edges: range, invalid input, start, debounce.
+
+use proptest::prelude::*;
+use steerguard_detector::{
+    Configuration, Detector, Evaluation, Gains, Initialisation, Interval, Monitor, OperatingRange,
+    Output, TsModel, Vehicle,
+};
+
+const NAN: f64 = f64::NAN;
+const CRUISE: [f64; 2] = [78.75, 0.0];
+
+/// A stable observer without E: N_i keeps the lateral dynamics and contracts the measured states.
+fn configuration() -> Configuration {
+    let model = TsModel {
+        vehicle: Vehicle::PAPER,
+        sampling_period_s: 0.01,
+        range: OperatingRange {
+            v_x: Interval::new(5.0, 30.0),
+            v_y: Interval::new(-1.5, 1.5),
+            r: Interval::new(-0.55, 0.55),
+        },
+    };
+    let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let contraction = 0.5;
+    let gains = Gains {
+        n: model.vertices().map(|a| {
+            [[contraction, a[0][1], 0.0], [0.0, a[1][1], 0.0], [0.0, a[2][1], contraction]]
+        }),
+        l: model
+            .vertices()
+            .map(|_| [[1.0 - contraction, 0.0], [0.0, 0.0], [0.0, 1.0 - contraction]]),
+        m: identity,
+        e: [[0.0; 2]; 3],
+    };
+    Configuration {
+        model,
+        hysteresis: [0.5, 0.25, 0.05],
+        gains,
+        evaluation: Evaluation {
+            window: 40,
+            weights: [1.0, 1.0],
+            threshold: 1e-3,
+            start_up_amplitude: 0.1,
+            start_up_decay: 0.97,
+            debounce_samples: 1,
+        },
+    }
+}
+
+fn detector() -> Detector {
+    Detector::new(&configuration()).unwrap()
+}
+
+/// The detector after `samples` of straight driving at 15 m/s, in step with the vehicle.
+fn settled(samples: u32) -> Detector {
+    let mut detector = detector();
+    for _ in 0..samples {
+        detector.sample([15.0, 0.0], CRUISE);
+    }
+    detector
+}
+
+#[test]
+fn straight_driving_leaves_no_residual() {
+    let detector = settled(1000);
+    let output = detector.state.output;
+    assert_eq!(output.monitor, Monitor::Monitoring);
+    assert!(output.j_rms < 1e-12 && !output.alarm, "{output:?}");
+    assert!((output.j_th - 1e-3).abs() < 1e-8);
+}
+
+#[test]
+fn a_step_in_yaw_rate_raises_the_alarm_and_is_remembered() {
+    let mut detector = settled(500);
+    let output = *detector.sample([15.0, 0.1], CRUISE);
+    assert!(output.alarm && output.j_rms >= output.j_th);
+    assert_eq!(output.first_alarm, Some(500));
+    for _ in 0..500 {
+        detector.sample([15.0, 0.0], CRUISE);
+    }
+    assert!(!detector.state.output.alarm);
+    assert_eq!(detector.state.output.first_alarm, Some(500));
+}
+
+#[test]
+fn debounce_counts_consecutive_samples() {
+    let mut detector = settled(500);
+    detector.debounce_samples = 3;
+    let alarms: Vec<bool> = (0..4).map(|_| detector.sample([15.0, 0.1], CRUISE).alarm).collect();
+    assert_eq!(alarms, [false, false, true, true]);
+}
+
+#[test]
+fn the_threshold_factor_scales_the_whole_threshold() {
+    let (mut one, mut two) = (detector(), detector());
+    two.threshold_factor = 2.0;
+    for _ in 0..100 {
+        let single = one.sample([15.0, 0.0], CRUISE).j_th;
+        assert_eq!(two.sample([15.0, 0.0], CRUISE).j_th, 2.0 * single);
+    }
+}
+
+#[test]
+fn the_first_residual_is_zero_from_the_measurement_and_not_from_a_given_start() {
+    let first = *detector().sample([15.0, 0.2], CRUISE);
+    assert_eq!(first.residual, [0.0, 0.0]);
+
+    let mut given = detector();
+    given.initialisation = Initialisation::Given([0.0; 3]);
+    let first = *given.sample([15.0, 0.2], CRUISE);
+    assert_eq!(first.residual, [15.0, 0.2]);
+}
+
+#[test]
+fn arming_has_hysteresis_at_each_end_of_each_measured_range() {
+    // (outside S_x, inside S_x but short of the armed range, armed)
+    for (outside, edge, armed) in [
+        ([4.9, 0.0], [5.4, 0.0], [5.6, 0.0]),
+        ([30.1, 0.0], [29.6, 0.0], [29.4, 0.0]),
+        ([15.0, -0.56], [15.0, -0.52], [15.0, -0.49]),
+        ([15.0, 0.56], [15.0, 0.52], [15.0, 0.49]),
+    ] {
+        let mut detector = detector();
+        let mut monitor = |y| detector.sample(y, CRUISE).monitor;
+        assert_eq!(monitor(edge), Monitor::OutOfRange, "must not arm at {edge:?}");
+        assert_eq!(monitor(armed), Monitor::Monitoring, "must arm at {armed:?}");
+        assert_eq!(monitor(edge), Monitor::Monitoring, "must stay armed at {edge:?}");
+        assert_eq!(monitor(outside), Monitor::OutOfRange, "must disarm at {outside:?}");
+        assert_eq!(monitor(edge), Monitor::OutOfRange, "must not re-arm at {edge:?}");
+        assert_eq!(monitor(armed), Monitor::Monitoring, "must re-arm at {armed:?}");
+    }
+}
+
+#[test]
+fn leaving_the_range_withholds_the_alarm_and_forgets_the_window() {
+    let mut detector = settled(500);
+    assert!(detector.sample([15.0, 0.1], CRUISE).alarm);
+    let out = *detector.sample([31.0, 0.1], CRUISE);
+    assert_eq!(
+        out,
+        Output {
+            j_th: 1e-3,
+            monitor: Monitor::OutOfRange,
+            first_alarm: Some(500),
+            ..Output::default()
+        }
+    );
+    let back = *detector.sample([15.0, 0.1], CRUISE);
+    assert!(back.j_rms == 0.0 && back.j_th > 10e-3, "starts anew, start-up term included");
+}
+
+#[test]
+fn an_estimate_outside_its_range_disarms_until_it_has_come_back() {
+    let mut detector = settled(500);
+    // A commanded angle that the measured yaw rate does not follow drives the estimate out.
+    let mut left = None;
+    for k in 0..2000 {
+        let output = *detector.sample([15.0, 0.0], [78.75, 0.3]);
+        if output.monitor == Monitor::OutOfRange {
+            assert!(output.v_y_hat.abs() > 1.5 && !output.alarm);
+            left = Some(k);
+            break;
+        }
+    }
+    assert!(left.is_some());
+    let mut back = 0.0_f64;
+    for _ in 0..2000 {
+        back = detector.state.output.v_y_hat;
+        if detector.sample([15.0, 0.0], CRUISE).monitor == Monitor::Monitoring {
+            break;
+        }
+    }
+    assert!(back.abs() <= 1.25, "re-armed at an estimate of {back} m/s");
+    assert_eq!(detector.state.output.monitor, Monitor::Monitoring);
+}
+
+#[test]
+fn invalid_input_holds_the_last_results_and_restarts_the_observer() {
+    for bad in [NAN, f64::INFINITY, f64::NEG_INFINITY, 1e9, -1e300] {
+        for place in 0..4 {
+            let mut detector = settled(500);
+            let before = *detector.sample([15.0, 0.1], CRUISE);
+            let mut values = [15.0, 0.1, 78.75, 0.0];
+            values[place] = bad;
+            let [v_x, r, t_eng, delta] = values;
+            let held = *detector.sample([v_x, r], [t_eng, delta]);
+            assert_eq!(held, Output { monitor: Monitor::InvalidInput, ..before });
+            let after = *detector.sample([15.0, 0.0], CRUISE);
+            assert_eq!((after.residual, after.monitor), ([0.0, 0.0], Monitor::Monitoring));
+            assert!(after.j_th > 10e-3, "start-up term restarts");
+        }
+    }
+}
+
+#[test]
+fn a_configuration_out_of_range_is_refused_by_field() {
+    let reject = |spoil: fn(&mut Configuration), field: &str| {
+        let mut configuration = configuration();
+        spoil(&mut configuration);
+        let error = Detector::new(&configuration).unwrap_err();
+        assert_eq!(error.field, field);
+        assert!(error.to_string().contains(field));
+    };
+    reject(|c| c.model.vehicle.mass_kg = 0.0, "mass");
+    reject(|c| c.model.sampling_period_s = NAN, "sampling period");
+    reject(|c| c.model.range.v_x.min = 0.0, "v_x range");
+    reject(|c| c.hysteresis[0] = 13.0, "v_x hysteresis");
+    reject(|c| c.gains.n[3][2][2] = NAN, "N");
+    reject(|c| c.gains.e[0][1] = f64::INFINITY, "E");
+    reject(|c| c.evaluation.window = 0, "window");
+    reject(|c| c.evaluation.window = 257, "window");
+    reject(|c| c.evaluation.threshold = 0.0, "threshold");
+    reject(|c| c.evaluation.start_up_decay = 1.0, "start-up decay");
+}
+
+proptest! {
+    /// Whatever comes in, what goes out is a number.
+    #[test]
+    fn no_input_makes_an_output_that_is_not_finite(
+        samples in prop::collection::vec(
+            (
+                prop_oneof![4 => 4.0..31.0, 1 => any::<f64>()],
+                prop_oneof![4 => -0.6..0.6, 1 => any::<f64>()],
+                prop_oneof![4 => -1e4..1e4, 1 => any::<f64>()],
+                prop_oneof![4 => -1.0..1.0, 1 => any::<f64>()],
+            ),
+            1..300,
+        ),
+    ) {
+        let mut detector = detector();
+        for (v_x, r, t_eng, delta) in samples {
+            let output = detector.sample([v_x, r], [t_eng, delta]);
+            let numbers = [output.residual[0], output.residual[1], output.v_y_hat, output.j_rms,
+                output.j_th];
+            prop_assert!(numbers.iter().all(|x| x.is_finite()), "{output:?}");
+            prop_assert!(output.j_th > 0.0);
+            prop_assert!(!output.alarm || output.monitor != Monitor::OutOfRange);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The N-TS model against the nonlinear vehicle it rewrites.
+
+use proptest::prelude::*;
+use steerguard_detector::{Interval, OperatingRange, TsModel, Vehicle, rk4};
+
+const PAPER: TsModel = TsModel {
+    vehicle: Vehicle::PAPER,
+    sampling_period_s: 0.01,
+    range: OperatingRange {
+        v_x: Interval::new(5.0, 30.0),
+        v_y: Interval::new(-1.5, 1.5),
+        r: Interval::new(-0.55, 0.55),
+    },
+};
+
+#[test]
+fn vertices_have_the_reference_entries() {
+    let [slow, _, fast, _] = PAPER.vertices();
+    for (value, reference) in [
+        (slow[1][1], 0.68563686),
+        (fast[1][1], 0.94760614),
+        (slow[2][1], 0.05193370),
+        (fast[2][1], 0.00865562),
+    ] {
+        assert!((value - reference).abs() < 5e-9, "{value} instead of {reference}");
+    }
+    let b = PAPER.b();
+    assert!((b[1][1] - 0.77235772).abs() < 5e-9 && (b[2][1] - 0.71171271).abs() < 5e-9);
+}
+
+#[test]
+fn each_rule_stands_alone_at_its_vertex() {
+    let corners = [(5.0, -0.55), (5.0, 0.55), (30.0, -0.55), (30.0, 0.55)];
+    for (rule, (v_x, r)) in corners.into_iter().enumerate() {
+        for (i, h) in PAPER.membership([v_x, r]).into_iter().enumerate() {
+            assert!((h - f64::from(u8::from(i == rule))).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn runge_kutta_has_order_four() {
+    let x = [12.0, 0.8, 0.3];
+    let f = |x| Vehicle::PAPER.derivative(x, [60.0, 0.05]);
+    let run = |steps: u32| (0..steps).fold(x, |x, _| rk4(f, x, 0.2 / f64::from(steps)));
+    let exact = run(4096);
+    let error =
+        |steps| run(steps).iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let order = (error(16) / error(32)).log2();
+    assert!((3.7..4.3).contains(&order), "observed order {order}");
+}
+
+proptest! {
+    #[test]
+    fn membership_is_convex(v_x in 5.0..=30.0, r in -0.55..=0.55) {
+        let h = PAPER.membership([v_x, r]);
+        prop_assert!(h.iter().all(|h| (-1e-15..=1.0 + 1e-15).contains(h)));
+        prop_assert!((h.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    }
+
+    /// (7) is (3) by Euler's rule, rewritten: METHOD.md 2.
+    #[test]
+    fn blend_equals_the_nonlinear_euler_step(
+        v_x in 5.0..=30.0, v_y in -1.5..=1.5, r in -0.55..=0.55,
+        t_eng in -2000.0..2000.0, delta in -0.5..0.5,
+    ) {
+        let (x, u) = ([v_x, v_y, r], [t_eng, delta]);
+        let slope = PAPER.vehicle.derivative(x, u);
+        for ((blend, x), slope) in PAPER.step(x, u).into_iter().zip(x).zip(slope) {
+            let euler = x + PAPER.sampling_period_s * slope;
+            prop_assert!((blend - euler).abs() < 1e-12, "{blend} against {euler}");
+        }
+    }
+}
