@@ -1,0 +1,161 @@
+//! The variables of `SteeringFaultDetector.fmu`.
+//!
+//! # Conventions
+//! - Axes ISO 8855: x forward, y left, yaw rate counter-clockwise; steering angle at the road wheel.
+//! - Outputs and locals hold the results of the last sample run and change in `fmi2DoStep` only.
+
+use crate::{EnumerationItem, EnumerationType, Kind, ModelInfo, Role, unit, variables};
+
+/// The model as a whole.
+pub const INFO: ModelInfo = ModelInfo {
+    name: "SteeringFaultDetector",
+    identifier: "SteeringFaultDetector",
+    description: "Detects steering faults from speed, yaw rate, drive torque and steering angle: \
+                  a Takagi-Sugeno observer whose residual is held against a threshold.",
+};
+
+/// First alarm time before any alarm, s.
+pub const NO_ALARM_TIME: f64 = -1.0;
+
+/// Type of the output `state`.
+pub const STATE: EnumerationType = EnumerationType {
+    name: "DetectorState",
+    description: "Which condition holds at the last sample",
+    items: &[
+        EnumerationItem { name: "Starting", description: "No sample yet" },
+        EnumerationItem { name: "Monitoring", description: "Residual, J and alarm are valid" },
+        EnumerationItem {
+            name: "OutOfRange",
+            description: "Outside the range of the design: the alarm is withheld",
+        },
+        EnumerationItem {
+            name: "InvalidInput",
+            description: "An input is not finite or implausibly large: the last results are held",
+        },
+    ],
+};
+
+/// Type of the parameter `initialisation`.
+pub const INITIALISATION: EnumerationType = EnumerationType {
+    name: "Initialisation",
+    description: "How the observer starts at the first sample",
+    items: &[
+        EnumerationItem {
+            name: "FirstMeasurement",
+            description: "From the first measurement, lateral speed assumed zero",
+        },
+        EnumerationItem {
+            name: "Given",
+            description: "From the parameters z_0[1], z_0[2], z_0[3]",
+        },
+    ],
+};
+
+variables! {
+    /// The variables of the detector.
+    pub enum DetectorVariable {
+        // Inputs.
+        SpeedX, "v_x", "Measured longitudinal speed at the centre of gravity", Role::INPUT,
+            Kind::real(&unit::METRE_PER_SECOND).min(-150.0).max(150.0).nominal(10.0);
+        YawRate, "r", "Measured yaw rate, counter-clockwise", Role::INPUT,
+            Kind::real(&unit::RADIAN_PER_SECOND).min(-20.0).max(20.0).nominal(0.1);
+        DriveTorque, "u.T_eng", "Drive torque at the wheels, negative when braking", Role::INPUT,
+            Kind::real(&unit::NEWTON_METRE).min(-1e6).max(1e6).nominal(100.0);
+        SteeringAngle, "u.delta", "Commanded steering angle at the road wheel, left positive",
+            Role::INPUT, Kind::real(&unit::RADIAN).min(-1.6).max(1.6).nominal(0.02);
+
+        // Outputs.
+        ResidualSpeedX, "residual.v_x", "Residual of the longitudinal speed", Role::OUTPUT,
+            Kind::real(&unit::METRE_PER_SECOND).nominal(0.01);
+        ResidualYawRate, "residual.r", "Residual of the yaw rate", Role::OUTPUT,
+            Kind::real(&unit::RADIAN_PER_SECOND).nominal(0.001);
+        Rms, "J_rms", "Windowed RMS of the weighted residual", Role::OUTPUT,
+            Kind::real(&unit::ONE).min(0.0).nominal(0.001);
+        Threshold, "J_th", "Threshold that J_rms is held against", Role::OUTPUT,
+            Kind::real(&unit::ONE).min(0.0).nominal(0.001);
+        Alarm, "alarm", "True while a steering fault is detected", Role::OUTPUT, Kind::Boolean;
+        State, "state", "Which condition holds: alarms are given while Monitoring", Role::OUTPUT,
+            Kind::Enumeration(&STATE);
+
+        // Locals.
+        LateralSpeed, "v_y_hat", "Estimated lateral speed, left positive", Role::LOCAL,
+            Kind::real(&unit::METRE_PER_SECOND).nominal(0.1);
+        Ratio, "J_ratio", "J_rms / J_th", Role::LOCAL, Kind::real(&unit::ONE).min(0.0).nominal(1.0);
+        AlarmLatched, "alarm_latched", "True once an alarm was raised, until reset", Role::LOCAL,
+            Kind::Boolean;
+        FirstAlarmTime, "first_alarm_time",
+            "Sample time of the first alarm; -1 while alarm_latched is false", Role::LOCAL,
+            Kind::real(&unit::SECOND).nominal(1.0);
+
+        // Parameters.
+        ThresholdFactor, "threshold_factor", "Factor on J_th; 1 is the threshold of the design",
+            Role::TUNABLE_PARAMETER, Kind::real(&unit::ONE).min(1e-3).max(1e3).nominal(1.0);
+        DebounceSamples, "debounce_samples",
+            "Consecutive samples with J_rms at or above J_th that raise the alarm",
+            Role::TUNABLE_PARAMETER, Kind::Integer { min: 1, max: 1_000_000 };
+        Initialisation, "initialisation", "How the observer starts at the first sample",
+            Role::FIXED_PARAMETER, Kind::Enumeration(&INITIALISATION);
+        InitialZ1, "z_0[1]", "Observer state z_1 at the first sample, if initialisation is Given",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::METRE_PER_SECOND).min(-1e3).max(1e3).nominal(10.0);
+        InitialZ2, "z_0[2]", "Observer state z_2 at the first sample, if initialisation is Given",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::METRE_PER_SECOND).min(-1e3).max(1e3).nominal(0.1);
+        InitialZ3, "z_0[3]", "Observer state z_3 at the first sample, if initialisation is Given",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::RADIAN_PER_SECOND).min(-1e3).max(1e3).nominal(0.1);
+
+        // The design in this binary.
+        DesignHash, "design.hash", "SHA-256 of the design file", Role::CONSTANT, Kind::String;
+        DesignSamplePeriod, "design.sample_period", "Sampling period T_s of the detector",
+            Role::CONSTANT, Kind::real(&unit::SECOND).nominal(0.01);
+        DesignBeta, "design.beta", "Fault sensitivity beta that the design reports", Role::CONSTANT,
+            Kind::real(&unit::ONE).nominal(1.0);
+        DesignGamma, "design.gamma", "Disturbance gain gamma that the design reports",
+            Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.01);
+        DesignGap, "design.gap", "Fault-to-disturbance gap that the design reports",
+            Role::CONSTANT, Kind::real(&unit::ONE).nominal(1.0);
+        DesignThreshold, "design.threshold", "J_th after the start-up, for threshold_factor = 1",
+            Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.001);
+        DesignWindow, "design.window", "Samples in the window of J_rms", Role::CONSTANT,
+            Kind::Integer { min: 1, max: i32::MAX };
+        DesignWeightSpeedX, "design.weight.v_x", "Weight of residual.v_x in J_rms, per m/s",
+            Role::CONSTANT, Kind::real(&unit::ONE).nominal(1.0);
+        DesignWeightYawRate, "design.weight.r", "Weight of residual.r in J_rms, per rad/s",
+            Role::CONSTANT, Kind::real(&unit::ONE).nominal(1.0);
+        RangeSpeedXMin, "design.range.v_x_min", "Lowest longitudinal speed of the design range",
+            Role::CONSTANT, Kind::real(&unit::METRE_PER_SECOND).nominal(10.0);
+        RangeSpeedXMax, "design.range.v_x_max", "Highest longitudinal speed of the design range",
+            Role::CONSTANT, Kind::real(&unit::METRE_PER_SECOND).nominal(10.0);
+        RangeSpeedYMin, "design.range.v_y_min", "Lowest lateral speed of the design range",
+            Role::CONSTANT, Kind::real(&unit::METRE_PER_SECOND).nominal(1.0);
+        RangeSpeedYMax, "design.range.v_y_max", "Highest lateral speed of the design range",
+            Role::CONSTANT, Kind::real(&unit::METRE_PER_SECOND).nominal(1.0);
+        RangeYawRateMin, "design.range.r_min", "Lowest yaw rate of the design range",
+            Role::CONSTANT, Kind::real(&unit::RADIAN_PER_SECOND).nominal(0.5);
+        RangeYawRateMax, "design.range.r_max", "Highest yaw rate of the design range",
+            Role::CONSTANT, Kind::real(&unit::RADIAN_PER_SECOND).nominal(0.5);
+
+        // The vehicle it was designed for.
+        VehicleMass, "vehicle.M_v", "Vehicle mass", Role::CONSTANT,
+            Kind::real(&unit::KILOGRAM).nominal(1e3);
+        VehicleYawInertia, "vehicle.I_z", "Yaw moment of inertia", Role::CONSTANT,
+            Kind::real(&unit::KILOGRAM_METRE_SQUARED).nominal(1e3);
+        VehicleLongitudinalInertia, "vehicle.I_e",
+            "Effective longitudinal inertia: drive torque per longitudinal acceleration",
+            Role::CONSTANT, Kind::real(&unit::KILOGRAM_METRE).nominal(1e3);
+        VehicleFrontAxleDistance, "vehicle.l_f", "Distance from centre of gravity to front axle",
+            Role::CONSTANT, Kind::real(&unit::METRE).nominal(1.0);
+        VehicleRearAxleDistance, "vehicle.l_r", "Distance from centre of gravity to rear axle",
+            Role::CONSTANT, Kind::real(&unit::METRE).nominal(1.0);
+        VehicleFrontStiffness, "vehicle.C_f", "Cornering stiffness of one front tyre",
+            Role::CONSTANT, Kind::real(&unit::NEWTON_PER_RADIAN).nominal(1e5);
+        VehicleRearStiffness, "vehicle.C_r", "Cornering stiffness of one rear tyre",
+            Role::CONSTANT, Kind::real(&unit::NEWTON_PER_RADIAN).nominal(1e5);
+        VehicleLongitudinalDrag, "vehicle.C_x", "Longitudinal drag: wheel torque per speed squared",
+            Role::CONSTANT,
+            Kind::real(&unit::NEWTON_METRE_SECOND_SQUARED_PER_METRE_SQUARED).nominal(1.0);
+        VehicleLateralDrag, "vehicle.C_y", "Lateral drag: force per lateral speed squared",
+            Role::CONSTANT, Kind::real(&unit::NEWTON_SECOND_SQUARED_PER_METRE_SQUARED).nominal(1.0);
+    }
+}

@@ -1,0 +1,1 @@
+//! `modelDescription.xml`: rendering, reading, lint.
