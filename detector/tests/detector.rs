@@ -1,5 +1,7 @@
 //! What the detector does at the edges: range, invalid input, start, debounce.
 
+#![allow(clippy::unwrap_used)]
+
 use proptest::prelude::*;
 use steerguard_detector::{
     Configuration, Detector, Evaluation, Gains, Initialisation, Interval, Monitor, OperatingRange,
