@@ -1,1 +1,9 @@
-//! Steerguard.
+//! Reference vehicle plant as an FMI 2.0 Co-Simulation model, on the detector's FMI layer.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod dynamics;
+pub mod noise;

@@ -1,0 +1,172 @@
+//! Continuous dynamics of the reference vehicle, and its integration.
+//!
+//! (1)-(2) of the paper with what the detector does not know of: steering fault, disturbances, road
+//! bank, an actuator with lag, tyres that saturate.
+//!
+//! # Conventions
+//! - As the detector's: ISO 8855 axes, SI units, angles at the road wheel.
+//! - Internal state `[v_x, v_y, r, delta_w]`, delta_w being the actuator's angle before the fault.
+
+use steerguard_detector::{Vehicle, rk4};
+
+/// Longest step of the internal integration, s.
+pub const INTERNAL_STEP_S: f64 = 1e-3;
+
+/// Below this speed, m/s, slip angles are taken at this speed: 1/v_x has no meaning at standstill.
+pub const SLIP_SPEED_FLOOR_M_PER_S: f64 = 0.5;
+
+const GRAVITY_M_PER_S2: f64 = 9.81;
+
+/// Internal state `[v_x, v_y, r, delta_w]` in m/s, m/s, rad/s, rad.
+pub type PlantState = [f64; 4];
+
+/// What acts on the vehicle, constant over a communication step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Excitation {
+    /// Drive torque at the wheels, N m.
+    pub t_eng: f64,
+    /// Commanded road-wheel angle as the actuator receives it, rad.
+    pub delta: f64,
+    /// Steering fault, added to the actuator's angle, rad.
+    pub fault: f64,
+    /// Lateral disturbance force at the centre of gravity, N.
+    pub side_force: f64,
+    /// Disturbance yaw moment, N m.
+    pub yaw_moment: f64,
+}
+
+/// Vehicle, tyres, road and actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamics {
+    /// Vehicle data.
+    pub vehicle: Vehicle,
+    /// Friction coefficient at which the axle forces saturate; `None` for linear tyres.
+    pub friction: Option<f64>,
+    /// Time constant of the steering actuator's first-order lag, s; 0 for none.
+    pub actuator_lag_s: f64,
+    /// Road bank, rad, positive where gravity pulls to the left.
+    pub bank_rad: f64,
+}
+
+impl Dynamics {
+    /// The state after `duration_s` of constant `excitation`: Runge-Kutta steps of equal length, at
+    /// most [`INTERNAL_STEP_S`].
+    pub fn advance(
+        &self,
+        state: PlantState,
+        excitation: &Excitation,
+        duration_s: f64,
+    ) -> PlantState {
+        let steps = internal_steps(duration_s);
+        let step_s = duration_s / f64::from(steps);
+        let mut state = self.settle_actuator(state, excitation);
+        for _ in 0..steps {
+            state = rk4(|x| self.derivative(x, excitation), state, step_s);
+        }
+        state
+    }
+
+    /// Without a lag the actuator's angle is the commanded one.
+    fn settle_actuator(&self, state: PlantState, excitation: &Excitation) -> PlantState {
+        let [v_x, v_y, r, delta_w] = state;
+        [v_x, v_y, r, if self.actuator_lag_s > 0.0 { delta_w } else { excitation.delta }]
+    }
+
+    fn derivative(&self, [v_x, v_y, r, delta_w]: PlantState, e: &Excitation) -> PlantState {
+        let vehicle = &self.vehicle;
+        let at_speed = [v_x.max(SLIP_SPEED_FLOOR_M_PER_S), v_y, r];
+        let forces = self.saturate(vehicle.axle_forces(at_speed, delta_w + e.fault));
+        let [v_x_dot, v_y_dot, r_dot] = vehicle.derivative_under([v_x, v_y, r], e.t_eng, forces);
+        let lag_s = self.actuator_lag_s;
+        [
+            v_x_dot,
+            v_y_dot + e.side_force / vehicle.mass_kg + GRAVITY_M_PER_S2 * libm::sin(self.bank_rad),
+            r_dot + e.yaw_moment / vehicle.yaw_inertia_kg_m2,
+            if lag_s > 0.0 { (e.delta - delta_w) / lag_s } else { 0.0 },
+        ]
+    }
+
+    /// Axle forces limited by friction: `mu F_z tanh(F / (mu F_z))` at the static axle load F_z.
+    fn saturate(&self, [front, rear]: [f64; 2]) -> [f64; 2] {
+        let Some(friction) = self.friction else {
+            return [front, rear];
+        };
+        let v = &self.vehicle;
+        let load_per_distance =
+            v.mass_kg * GRAVITY_M_PER_S2 / (v.front_axle_distance_m + v.rear_axle_distance_m);
+        let limited = |force: f64, other_axle_distance_m: f64| {
+            let limit = friction * load_per_distance * other_axle_distance_m;
+            limit * libm::tanh(force / limit)
+        };
+        [limited(front, v.rear_axle_distance_m), limited(rear, v.front_axle_distance_m)]
+    }
+}
+
+/// Number of equal internal steps that `duration_s` is divided into.
+pub fn internal_steps(duration_s: f64) -> u32 {
+    // The slack keeps a duration of n ms at n steps whatever its last bit.
+    (libm::ceil(duration_s / INTERNAL_STEP_S - 1e-6) as u32).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINEAR: Dynamics =
+        Dynamics { vehicle: Vehicle::PAPER, friction: None, actuator_lag_s: 0.0, bank_rad: 0.0 };
+
+    fn run(dynamics: &Dynamics, excitation: &Excitation, seconds: u32) -> PlantState {
+        (0..seconds * 100).fold([15.0, 0.0, 0.0, 0.0], |x, _| dynamics.advance(x, excitation, 0.01))
+    }
+
+    #[test]
+    fn a_fault_acts_as_the_same_commanded_angle() {
+        let cruise = Vehicle::PAPER.cruise_torque(15.0);
+        let commanded = Excitation { t_eng: cruise, delta: 0.01, ..Excitation::default() };
+        let faulty = Excitation { t_eng: cruise, fault: 0.01, ..Excitation::default() };
+        assert_eq!(run(&LINEAR, &commanded, 5)[..3], run(&LINEAR, &faulty, 5)[..3]);
+    }
+
+    #[test]
+    fn steady_cornering_has_the_bicycle_models_yaw_rate() {
+        // r = v delta / (l + K v^2), K = M (l_r C_r - l_f C_f) / (2 l C_f C_r): Rajamani (2012), 3.
+        let v = Vehicle::PAPER;
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let (c_f, c_r) =
+            (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
+        let l = l_f + l_r;
+        let gradient = v.mass_kg * (l_r * c_r - l_f * c_f) / (2.0 * l * c_f * c_r);
+        let excitation =
+            Excitation { t_eng: v.cruise_torque(15.0), delta: 0.01, ..Excitation::default() };
+        let [v_x, _, r, _] = run(&LINEAR, &excitation, 5);
+        let expected = v_x * 0.01 / (l + gradient * v_x * v_x);
+        assert!((r / expected - 1.0).abs() < 1e-3, "{r} rad/s instead of {expected}");
+    }
+
+    #[test]
+    fn saturation_vanishes_at_small_slip_and_bounds_large() {
+        let slick = Dynamics { friction: Some(0.3), ..LINEAR };
+        let [front, rear] = slick.saturate([10.0, -10.0]);
+        assert!((front - 10.0).abs() < 1e-3 && (rear + 10.0).abs() < 1e-3);
+        let [front, rear] = slick.saturate([1e6, -1e6]);
+        let weight = Vehicle::PAPER.mass_kg * GRAVITY_M_PER_S2;
+        assert!((front - rear - 0.3 * weight).abs() < 1e-6 * weight);
+    }
+
+    #[test]
+    fn actuator_lag_is_first_order() {
+        let lagging = Dynamics { actuator_lag_s: 0.1, ..LINEAR };
+        let excitation = Excitation { delta: 0.02, ..Excitation::default() };
+        let [_, _, _, delta_w] = lagging.advance([15.0, 0.0, 0.0, 0.0], &excitation, 0.1);
+        assert!((delta_w - 0.02 * (1.0 - (-1.0_f64).exp())).abs() < 1e-10);
+    }
+
+    #[test]
+    fn internal_steps_are_at_most_a_millisecond() {
+        for (duration_s, steps) in
+            [(0.01, 10), (0.1 + 0.2, 300), (1e-5, 1), (0.0101, 11), (1.0 / 60.0, 17)]
+        {
+            assert_eq!(internal_steps(duration_s), steps);
+        }
+    }
+}
