@@ -1,7 +1,7 @@
 //! Continuous dynamics of the reference vehicle, and its integration.
 //!
 //! (1)-(2) of the paper with what the detector does not know of: steering fault, disturbances, road
-//! bank, an actuator with lag, tyres that saturate.
+//! bank, an actuator with lag and dead time, tyres that saturate.
 //!
 //! # Conventions
 //! - As the detector's: ISO 8855 axes, SI units, angles at the road wheel.
@@ -11,6 +11,9 @@ use steerguard_detector::{Vehicle, rk4};
 
 /// Longest step of the internal integration, s.
 pub const INTERNAL_STEP_S: f64 = 1e-3;
+
+/// Longest dead time of the actuator, internal steps.
+pub const MAX_DEAD_TIME_STEPS: usize = 500;
 
 /// Below this speed, m/s, slip angles are taken at this speed: 1/v_x has no meaning at standstill.
 pub const SLIP_SPEED_FLOOR_M_PER_S: f64 = 0.5;
@@ -53,23 +56,22 @@ impl Dynamics {
     /// most [`INTERNAL_STEP_S`].
     pub fn advance(
         &self,
-        state: PlantState,
+        mut state: PlantState,
+        dead_time: &mut DeadTime,
         excitation: &Excitation,
         duration_s: f64,
     ) -> PlantState {
         let steps = internal_steps(duration_s);
         let step_s = duration_s / f64::from(steps);
-        let mut state = self.settle_actuator(state, excitation);
         for _ in 0..steps {
-            state = rk4(|x| self.derivative(x, excitation), state, step_s);
+            let delta = dead_time.pass(excitation.delta);
+            let excitation = Excitation { delta, ..*excitation };
+            if self.actuator_lag_s <= 0.0 {
+                state[3] = delta;
+            }
+            state = rk4(|x| self.derivative(x, &excitation), state, step_s);
         }
         state
-    }
-
-    /// Without a lag the actuator's angle is the commanded one.
-    fn settle_actuator(&self, state: PlantState, excitation: &Excitation) -> PlantState {
-        let [v_x, v_y, r, delta_w] = state;
-        [v_x, v_y, r, if self.actuator_lag_s > 0.0 { delta_w } else { excitation.delta }]
     }
 
     fn derivative(&self, [v_x, v_y, r, delta_w]: PlantState, e: &Excitation) -> PlantState {
@@ -102,6 +104,39 @@ impl Dynamics {
     }
 }
 
+/// Dead time of the actuator in internal steps: the commanded angles of the last ones, in a ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeadTime {
+    /// Commanded angles, rad; the first `steps` entries are in use.
+    pub angles: [f64; MAX_DEAD_TIME_STEPS],
+    /// Place of the oldest angle.
+    pub oldest: usize,
+    /// Dead time, internal steps.
+    pub steps: usize,
+}
+
+impl DeadTime {
+    /// A dead time of `duration_s`, rounded to internal steps, during which `angle` acts.
+    pub fn new(duration_s: f64, angle: f64) -> Self {
+        let steps = libm::round(duration_s / INTERNAL_STEP_S) as usize;
+        Self {
+            angles: [angle; MAX_DEAD_TIME_STEPS],
+            oldest: 0,
+            steps: steps.min(MAX_DEAD_TIME_STEPS),
+        }
+    }
+
+    /// Takes the angle of this step and gives the one that acts in it.
+    fn pass(&mut self, angle: f64) -> f64 {
+        let ring = self.angles.get_mut(..self.steps).unwrap_or_default();
+        let Some(place) = ring.get_mut(self.oldest) else {
+            return angle;
+        };
+        self.oldest = if self.oldest + 1 < self.steps { self.oldest + 1 } else { 0 };
+        core::mem::replace(place, angle)
+    }
+}
+
 /// Number of equal internal steps that `duration_s` is divided into.
 pub fn internal_steps(duration_s: f64) -> u32 {
     // The slack keeps a duration of n ms at n steps whatever its last bit.
@@ -116,7 +151,9 @@ mod tests {
         Dynamics { vehicle: Vehicle::PAPER, friction: None, actuator_lag_s: 0.0, bank_rad: 0.0 };
 
     fn run(dynamics: &Dynamics, excitation: &Excitation, seconds: u32) -> PlantState {
-        (0..seconds * 100).fold([15.0, 0.0, 0.0, 0.0], |x, _| dynamics.advance(x, excitation, 0.01))
+        let mut none = DeadTime::new(0.0, 0.0);
+        (0..seconds * 100)
+            .fold([15.0, 0.0, 0.0, 0.0], |x, _| dynamics.advance(x, &mut none, excitation, 0.01))
     }
 
     #[test]
@@ -157,8 +194,21 @@ mod tests {
     fn actuator_lag_is_first_order() {
         let lagging = Dynamics { actuator_lag_s: 0.1, ..LINEAR };
         let excitation = Excitation { delta: 0.02, ..Excitation::default() };
-        let [_, _, _, delta_w] = lagging.advance([15.0, 0.0, 0.0, 0.0], &excitation, 0.1);
+        let mut none = DeadTime::new(0.0, 0.0);
+        let start = [15.0, 0.0, 0.0, 0.0];
+        let [_, _, _, delta_w] = lagging.advance(start, &mut none, &excitation, 0.1);
         assert!((delta_w - 0.02 * (1.0 - (-1.0_f64).exp())).abs() < 1e-10);
+    }
+
+    #[test]
+    fn dead_time_delays_by_its_duration() {
+        for steps in [0_u16, 1, 7, 500] {
+            let mut dead_time = DeadTime::new(f64::from(steps) * INTERNAL_STEP_S, -1.0);
+            for k in 0..1200 {
+                let expected = if k < steps { -1.0 } else { f64::from(k - steps) };
+                assert_eq!(dead_time.pass(f64::from(k)), expected);
+            }
+        }
     }
 
     #[test]
