@@ -176,6 +176,17 @@ impl Kind {
         }
     }
 
+    /// Whether `value` is of this type.
+    pub const fn is_type_of(&self, value: Value<'_>) -> bool {
+        matches!(
+            (self, value),
+            (Self::Real(_), Value::Real(_))
+                | (Self::Integer { .. } | Self::Enumeration(_), Value::Integer(_))
+                | (Self::Boolean, Value::Boolean(_))
+                | (Self::String, Value::String(_))
+        )
+    }
+
     /// Whether `value` is of this type, finite and within the declared limits.
     pub fn admits(&self, value: Value<'_>) -> bool {
         match (self, value) {
@@ -205,6 +216,29 @@ pub enum Value<'a> {
     Boolean(bool),
     /// fmi2String: NUL-terminated, because `fmi2GetString` hands out the pointer.
     String(&'a CStr),
+}
+
+impl Value<'_> {
+    /// Stores a Real; other types leave `place` as it is.
+    pub fn store_real(self, place: &mut f64) {
+        if let Self::Real(value) = self {
+            *place = value;
+        }
+    }
+
+    /// Stores an Integer; other types leave `place` as it is.
+    pub fn store_integer(self, place: &mut i32) {
+        if let Self::Integer(value) = self {
+            *place = value;
+        }
+    }
+
+    /// Stores a Boolean; other types leave `place` as it is.
+    pub fn store_boolean(self, place: &mut bool) {
+        if let Self::Boolean(value) = self {
+            *place = value;
+        }
+    }
 }
 
 /// One variable of the description.

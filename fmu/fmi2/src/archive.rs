@@ -1,0 +1,223 @@
+//! State of an instance as bytes: one pass over the fields serves to count, write and read them.
+//!
+//! Format, little-endian: `SGST`, version, GUID, length and CRC-32 of the body, body.
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+
+use crate::instance::Guid;
+
+/// Length of the part before the body, bytes.
+const HEADER: usize = 4 + 4 + GUID_LENGTH + 4 + 4;
+pub(crate) const GUID_LENGTH: usize = 40;
+const MAGIC: [u8; 4] = *b"SGST";
+const VERSION: u32 = 1;
+
+pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// Fields on their way into or out of bytes. Call its methods for the same fields in the same order
+/// whatever the direction.
+pub struct Archive<'a> {
+    direction: Direction<'a>,
+    position: usize,
+    sound: bool,
+}
+
+enum Direction<'a> {
+    Count,
+    Write(&'a mut [u8]),
+    Read(&'a [u8]),
+}
+
+impl Archive<'_> {
+    /// A real number, bit for bit.
+    pub fn real(&mut self, value: &mut f64) {
+        let mut bytes = value.to_le_bytes();
+        if self.bytes(&mut bytes) {
+            *value = f64::from_le_bytes(bytes);
+        }
+    }
+
+    /// A real number that must be finite.
+    pub fn finite(&mut self, value: &mut f64) {
+        self.real(value);
+        self.require(value.is_finite());
+    }
+
+    /// An unsigned integer.
+    pub fn u64(&mut self, value: &mut u64) {
+        let mut bytes = value.to_le_bytes();
+        if self.bytes(&mut bytes) {
+            *value = u64::from_le_bytes(bytes);
+        }
+    }
+
+    /// An unsigned integer.
+    pub fn u32(&mut self, value: &mut u32) {
+        let mut bytes = value.to_le_bytes();
+        if self.bytes(&mut bytes) {
+            *value = u32::from_le_bytes(bytes);
+        }
+    }
+
+    /// A size or index.
+    pub fn size(&mut self, value: &mut usize) {
+        let mut wide = *value as u64;
+        self.u64(&mut wide);
+        match usize::try_from(wide) {
+            Ok(narrow) => *value = narrow,
+            Err(_) => self.require(false),
+        }
+    }
+
+    /// A truth value.
+    pub fn flag(&mut self, value: &mut bool) {
+        let mut byte = u8::from(*value);
+        self.code(&mut byte, 2);
+        *value = byte != 0;
+    }
+
+    /// A code below `count`.
+    pub fn code(&mut self, value: &mut u8, count: u8) {
+        let mut byte = [*value];
+        if self.bytes(&mut byte) {
+            [*value] = byte;
+        }
+        self.require(*value < count);
+    }
+
+    /// One of the `items`, by its index.
+    pub fn choice<T: Copy + PartialEq>(&mut self, value: &mut T, items: &[T]) {
+        let index = items.iter().position(|item| item == value);
+        let mut code = index.unwrap_or(usize::from(u8::MAX)) as u8;
+        self.code(&mut code, u8::MAX);
+        match items.get(usize::from(code)) {
+            Some(item) => *value = *item,
+            None => self.require(false),
+        }
+    }
+
+    /// A number that may be missing.
+    pub fn optional<T: Copy + Default>(
+        &mut self,
+        value: &mut Option<T>,
+        field: impl FnOnce(&mut Self, &mut T),
+    ) {
+        let mut present = value.is_some();
+        let mut inner = value.unwrap_or_default();
+        self.flag(&mut present);
+        field(self, &mut inner);
+        *value = present.then_some(inner);
+    }
+
+    /// States an invariant of the fields so far: what was read is refused where it does not hold.
+    pub fn require(&mut self, holds: bool) {
+        self.sound &= holds;
+    }
+
+    /// Moves `bytes` along; true where they were read.
+    fn bytes(&mut self, bytes: &mut [u8]) -> bool {
+        let end = self.position.saturating_add(bytes.len());
+        let range = self.position..end;
+        self.position = end;
+        match &mut self.direction {
+            Direction::Count => false,
+            Direction::Write(buffer) => {
+                match buffer.get_mut(range) {
+                    Some(place) => copy(bytes, place),
+                    None => self.sound = false,
+                }
+                false
+            }
+            Direction::Read(buffer) => match buffer.get(range) {
+                Some(place) => {
+                    copy(place, bytes);
+                    true
+                }
+                None => {
+                    self.sound = false;
+                    false
+                }
+            },
+        }
+    }
+}
+
+/// Copies as much as both hold, without the panic of `copy_from_slice`.
+pub(crate) fn copy(from: &[u8], to: &mut [u8]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+    }
+}
+
+/// Serialised length of what `fields` passes through, bytes.
+pub(crate) fn length(fields: impl FnOnce(&mut Archive<'_>)) -> usize {
+    let mut archive = Archive { direction: Direction::Count, position: 0, sound: true };
+    fields(&mut archive);
+    HEADER + archive.position
+}
+
+/// Writes what `fields` passes through; false if `buffer` is not of its length.
+pub(crate) fn write(buffer: &mut [u8], guid: &Guid, fields: impl FnOnce(&mut Archive<'_>)) -> bool {
+    let Some((header, body)) = buffer.split_at_mut_checked(HEADER) else { return false };
+    let body_length = body.len();
+    let mut archive = Archive { direction: Direction::Write(body), position: 0, sound: true };
+    fields(&mut archive);
+    let sound = archive.sound && archive.position == body_length;
+    write_header(header, guid, body);
+    sound
+}
+
+fn write_header(header: &mut [u8], guid: &Guid, body: &[u8]) {
+    let mut archive = Archive { direction: Direction::Write(header), position: 0, sound: true };
+    archive.bytes(&mut { MAGIC });
+    archive.u32(&mut { VERSION });
+    archive.bytes(&mut guid.0.clone());
+    archive.u32(&mut (body.len() as u32));
+    archive.u32(&mut CRC.checksum(body));
+}
+
+/// Reads a serialised state through `fields`.
+///
+/// # Errors
+/// What is wrong with it; the fields read so far are then of no use.
+pub(crate) fn read(
+    state: &[u8],
+    guid: &Guid,
+    fields: impl FnOnce(&mut Archive<'_>),
+) -> Result<(), &'static str> {
+    let body = checked_body(state, guid)?;
+    let mut archive = Archive { direction: Direction::Read(body), position: 0, sound: true };
+    fields(&mut archive);
+    if archive.sound && archive.position == body.len() {
+        Ok(())
+    } else {
+        Err("its contents are not those of a state")
+    }
+}
+
+fn checked_body<'a>(state: &'a [u8], guid: &Guid) -> Result<&'a [u8], &'static str> {
+    let Some((header, body)) = state.split_at_checked(HEADER) else {
+        return Err("it is too short");
+    };
+    let mut archive = Archive { direction: Direction::Read(header), position: 0, sound: true };
+    let (mut magic, mut from) = ([0; 4], [0; GUID_LENGTH]);
+    let (mut version, mut length, mut crc) = (0, 0, 0);
+    archive.bytes(&mut magic);
+    archive.u32(&mut version);
+    archive.bytes(&mut from);
+    archive.u32(&mut length);
+    archive.u32(&mut crc);
+    if magic != MAGIC {
+        Err("it is not a state of such an FMU")
+    } else if version != VERSION {
+        Err("its format has another version")
+    } else if from != guid.0 {
+        Err("it comes from an FMU with another GUID")
+    } else if body.len() as u64 != u64::from(length) {
+        Err("its length is wrong")
+    } else if CRC.checksum(body) != crc {
+        Err("its checksum is wrong")
+    } else {
+        Ok(body)
+    }
+}

@@ -1,0 +1,162 @@
+//! Saving and restoring states.
+//!
+//! A saved state is its serialised form in memory: one format, checked in one place, for both.
+
+use core::{ptr, slice};
+
+use super::{OK, array, array_mut, call, place};
+use crate::archive;
+use crate::types::*;
+use crate::{Fmu, Function, memory};
+
+/// A saved state in memory: its length, then that many bytes.
+#[repr(C)]
+struct SavedState {
+    length: usize,
+    bytes: [u8; 0],
+}
+
+impl SavedState {
+    /// The bytes of a state.
+    unsafe fn bytes<'a>(state: fmi2FMUstate) -> Option<&'a [u8]> {
+        let state: *const Self = state.cast_const().cast();
+        if state.is_null() || !state.is_aligned() {
+            return None;
+        }
+        // SAFETY: by the contract of this module the state is one that `prepare` made.
+        unsafe { array((&raw const (*state).bytes).cast(), (*state).length) }
+    }
+
+    /// Room for `length` bytes at `*state`: what is there if it has that length, or new.
+    unsafe fn prepare<'a>(
+        callbacks: &fmi2CallbackFunctions,
+        state: *mut fmi2FMUstate,
+        length: usize,
+    ) -> Result<&'a mut [u8], &'static str> {
+        // SAFETY: the contract of this module.
+        let state = unsafe { state.as_mut() }.ok_or("argument FMUstate is NULL")?;
+        let old: *const Self = state.cast_const().cast();
+        // SAFETY: by the contract of this module the state is NULL or one that was made here.
+        if unsafe { old.as_ref() }.is_none_or(|old| old.length != length) {
+            let new = memory::allocate_bytes(callbacks, size_of::<Self>().saturating_add(length));
+            let new = new.ok_or("out of memory")?;
+            // SAFETY: the memory is aligned and large enough for the length; `*state` is NULL or,
+            // being replaced, not used any more.
+            unsafe {
+                new.cast::<usize>().write(length);
+                memory::release(callbacks, *state);
+            }
+            *state = new.as_ptr();
+        }
+        let header: *mut Self = state.cast();
+        // SAFETY: `length` bytes follow the header, zeroed when allocated.
+        Ok(unsafe { slice::from_raw_parts_mut((&raw mut (*header).bytes).cast(), length) })
+    }
+}
+
+pub unsafe fn fmi2GetFMUstate<F: Fmu>(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
+    // SAFETY: the contract of this module.
+    unsafe {
+        call::<F>(c, Function::fmi2GetFMUstate, |instance, function| {
+            let machine = &mut instance.machine;
+            let length = archive::length(|archive| machine.archive(archive));
+            let bytes = SavedState::prepare(&instance.environment.callbacks, state, length)
+                .map_err(|reason| instance.refuse_because(function, reason))?;
+            let machine = &mut instance.machine;
+            if archive::write(bytes, &instance.guid, |archive| machine.archive(archive)) {
+                Ok(OK)
+            } else {
+                Err(instance.refuse_because(function, "the state cannot be saved"))
+            }
+        })
+    }
+}
+
+pub unsafe fn fmi2SetFMUstate<F: Fmu>(c: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
+    // SAFETY: the contract of this module.
+    unsafe {
+        call::<F>(c, Function::fmi2SetFMUstate, |instance, function| {
+            let bytes =
+                SavedState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
+            instance.machine = instance.restored(function, bytes)?;
+            Ok(OK)
+        })
+    }
+}
+
+pub unsafe fn fmi2FreeFMUstate<F: Fmu>(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
+    // SAFETY: the contract of this module; a freed state is not used any more.
+    unsafe {
+        call::<F>(c, Function::fmi2FreeFMUstate, |instance, _| {
+            if let Some(state) = state.as_mut() {
+                memory::release(&instance.environment.callbacks, *state);
+                *state = ptr::null_mut();
+            }
+            Ok(OK)
+        })
+    }
+}
+
+pub unsafe fn fmi2SerializedFMUstateSize<F: Fmu>(
+    c: fmi2Component,
+    state: fmi2FMUstate,
+    size: *mut usize,
+) -> fmi2Status {
+    // SAFETY: the contract of this module.
+    unsafe {
+        call::<F>(c, Function::fmi2SerializedFMUstateSize, |instance, function| {
+            let bytes =
+                SavedState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
+            let size = place(size).ok_or_else(|| instance.null(function, "size"))?;
+            size.write(bytes.len());
+            Ok(OK)
+        })
+    }
+}
+
+pub unsafe fn fmi2SerializeFMUstate<F: Fmu>(
+    c: fmi2Component,
+    state: fmi2FMUstate,
+    serialized: *mut fmi2Byte,
+    size: usize,
+) -> fmi2Status {
+    // SAFETY: the contract of this module.
+    unsafe {
+        call::<F>(c, Function::fmi2SerializeFMUstate, |instance, function| {
+            let bytes =
+                SavedState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
+            let buffer = array_mut(serialized.cast::<u8>(), size)
+                .ok_or_else(|| instance.null(function, "serializedState"))?;
+            if buffer.len() < bytes.len() {
+                return Err(instance.refuse(function, |text| {
+                    text.str("the buffer holds ").integer(size as i64).str(" bytes, the state ");
+                    text.integer(bytes.len() as i64);
+                }));
+            }
+            for (place, &byte) in buffer.iter_mut().zip(bytes) {
+                place.write(byte);
+            }
+            Ok(OK)
+        })
+    }
+}
+
+pub unsafe fn fmi2DeSerializeFMUstate<F: Fmu>(
+    c: fmi2Component,
+    serialized: *const fmi2Byte,
+    size: usize,
+    state: *mut fmi2FMUstate,
+) -> fmi2Status {
+    // SAFETY: the contract of this module.
+    unsafe {
+        call::<F>(c, Function::fmi2DeSerializeFMUstate, |instance, function| {
+            let bytes = array(serialized.cast::<u8>(), size)
+                .ok_or_else(|| instance.null(function, "serializedState"))?;
+            instance.restored(function, bytes)?;
+            let buffer = SavedState::prepare(&instance.environment.callbacks, state, size)
+                .map_err(|reason| instance.refuse_because(function, reason))?;
+            archive::copy(bytes, buffer);
+            Ok(OK)
+        })
+    }
+}
