@@ -9,7 +9,7 @@
 
 use steerguard_detector::{Vehicle, rk4};
 
-/// Longest step of the internal integration, s.
+/// Step of the Runge-Kutta integration, s.
 pub const INTERNAL_STEP_S: f64 = 1e-3;
 
 /// Longest dead time of the actuator, internal steps.
@@ -23,12 +23,12 @@ const GRAVITY_M_PER_S2: f64 = 9.81;
 /// Internal state `[v_x, v_y, r, delta_w]` in m/s, m/s, rad/s, rad.
 pub type PlantState = [f64; 4];
 
-/// What acts on the vehicle, constant over a communication step.
+/// What acts on the vehicle, constant over an internal step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Excitation {
     /// Drive torque at the wheels, N m.
     pub t_eng: f64,
-    /// Commanded road-wheel angle as the actuator receives it, rad.
+    /// Road-wheel angle that the actuator is to reach, after its dead time, rad.
     pub delta: f64,
     /// Steering fault, added to the actuator's angle, rad.
     pub fault: f64,
@@ -43,8 +43,10 @@ pub struct Excitation {
 pub struct Dynamics {
     /// Vehicle data.
     pub vehicle: Vehicle,
-    /// Friction coefficient at which the axle forces saturate; `None` for linear tyres.
-    pub friction: Option<f64>,
+    /// Whether friction limits the axle forces; otherwise tyres are linear.
+    pub friction_limited: bool,
+    /// Friction coefficient.
+    pub friction: f64,
     /// Time constant of the steering actuator's first-order lag, s; 0 for none.
     pub actuator_lag_s: f64,
     /// Road bank, rad, positive where gravity pulls to the left.
@@ -52,26 +54,12 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// The state after `duration_s` of constant `excitation`: Runge-Kutta steps of equal length, at
-    /// most [`INTERNAL_STEP_S`].
-    pub fn advance(
-        &self,
-        mut state: PlantState,
-        dead_time: &mut DeadTime,
-        excitation: &Excitation,
-        duration_s: f64,
-    ) -> PlantState {
-        let steps = internal_steps(duration_s);
-        let step_s = duration_s / f64::from(steps);
-        for _ in 0..steps {
-            let delta = dead_time.pass(excitation.delta);
-            let excitation = Excitation { delta, ..*excitation };
-            if self.actuator_lag_s <= 0.0 {
-                state[3] = delta;
-            }
-            state = rk4(|x| self.derivative(x, &excitation), state, step_s);
+    /// The state one internal step later.
+    pub fn step(&self, mut state: PlantState, excitation: &Excitation) -> PlantState {
+        if self.actuator_lag_s <= 0.0 {
+            state[3] = excitation.delta;
         }
-        state
+        rk4(|x| self.derivative(x, excitation), state, INTERNAL_STEP_S)
     }
 
     fn derivative(&self, [v_x, v_y, r, delta_w]: PlantState, e: &Excitation) -> PlantState {
@@ -90,14 +78,14 @@ impl Dynamics {
 
     /// Axle forces limited by friction: `mu F_z tanh(F / (mu F_z))` at the static axle load F_z.
     fn saturate(&self, [front, rear]: [f64; 2]) -> [f64; 2] {
-        let Some(friction) = self.friction else {
+        if !self.friction_limited {
             return [front, rear];
-        };
+        }
         let v = &self.vehicle;
         let load_per_distance =
             v.mass_kg * GRAVITY_M_PER_S2 / (v.front_axle_distance_m + v.rear_axle_distance_m);
         let limited = |force: f64, other_axle_distance_m: f64| {
-            let limit = friction * load_per_distance * other_axle_distance_m;
+            let limit = self.friction * load_per_distance * other_axle_distance_m;
             limit * libm::tanh(force / limit)
         };
         [limited(front, v.rear_axle_distance_m), limited(rear, v.front_axle_distance_m)]
@@ -127,7 +115,7 @@ impl DeadTime {
     }
 
     /// Takes the angle of this step and gives the one that acts in it.
-    fn pass(&mut self, angle: f64) -> f64 {
+    pub fn pass(&mut self, angle: f64) -> f64 {
         let ring = self.angles.get_mut(..self.steps).unwrap_or_default();
         let Some(place) = ring.get_mut(self.oldest) else {
             return angle;
@@ -137,23 +125,16 @@ impl DeadTime {
     }
 }
 
-/// Number of equal internal steps that `duration_s` is divided into.
-pub fn internal_steps(duration_s: f64) -> u32 {
-    // The slack keeps a duration of n ms at n steps whatever its last bit.
-    (libm::ceil(duration_s / INTERNAL_STEP_S - 1e-6) as u32).max(1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     const LINEAR: Dynamics =
-        Dynamics { vehicle: Vehicle::PAPER, friction: None, actuator_lag_s: 0.0, bank_rad: 0.0 };
+        Dynamics { vehicle: Vehicle::PAPER, friction_limited: false,
+        friction: 0.3, actuator_lag_s: 0.0, bank_rad: 0.0 };
 
-    fn run(dynamics: &Dynamics, excitation: &Excitation, seconds: u32) -> PlantState {
-        let mut none = DeadTime::new(0.0, 0.0);
-        (0..seconds * 100)
-            .fold([15.0, 0.0, 0.0, 0.0], |x, _| dynamics.advance(x, &mut none, excitation, 0.01))
+    fn run(dynamics: &Dynamics, excitation: &Excitation, steps: u32) -> PlantState {
+        (0..steps).fold([15.0, 0.0, 0.0, 0.0], |x, _| dynamics.step(x, excitation))
     }
 
     #[test]
@@ -161,7 +142,7 @@ mod tests {
         let cruise = Vehicle::PAPER.cruise_torque(15.0);
         let commanded = Excitation { t_eng: cruise, delta: 0.01, ..Excitation::default() };
         let faulty = Excitation { t_eng: cruise, fault: 0.01, ..Excitation::default() };
-        assert_eq!(run(&LINEAR, &commanded, 5)[..3], run(&LINEAR, &faulty, 5)[..3]);
+        assert_eq!(run(&LINEAR, &commanded, 5000)[..3], run(&LINEAR, &faulty, 5000)[..3]);
     }
 
     #[test]
@@ -175,14 +156,14 @@ mod tests {
         let gradient = v.mass_kg * (l_r * c_r - l_f * c_f) / (2.0 * l * c_f * c_r);
         let excitation =
             Excitation { t_eng: v.cruise_torque(15.0), delta: 0.01, ..Excitation::default() };
-        let [v_x, _, r, _] = run(&LINEAR, &excitation, 5);
+        let [v_x, _, r, _] = run(&LINEAR, &excitation, 5000);
         let expected = v_x * 0.01 / (l + gradient * v_x * v_x);
         assert!((r / expected - 1.0).abs() < 1e-3, "{r} rad/s instead of {expected}");
     }
 
     #[test]
     fn saturation_vanishes_at_small_slip_and_bounds_large() {
-        let slick = Dynamics { friction: Some(0.3), ..LINEAR };
+        let slick = Dynamics { friction_limited: true, ..LINEAR };
         let [front, rear] = slick.saturate([10.0, -10.0]);
         assert!((front - 10.0).abs() < 1e-3 && (rear + 10.0).abs() < 1e-3);
         let [front, rear] = slick.saturate([1e6, -1e6]);
@@ -194,9 +175,7 @@ mod tests {
     fn actuator_lag_is_first_order() {
         let lagging = Dynamics { actuator_lag_s: 0.1, ..LINEAR };
         let excitation = Excitation { delta: 0.02, ..Excitation::default() };
-        let mut none = DeadTime::new(0.0, 0.0);
-        let start = [15.0, 0.0, 0.0, 0.0];
-        let [_, _, _, delta_w] = lagging.advance(start, &mut none, &excitation, 0.1);
+        let [_, _, _, delta_w] = run(&lagging, &excitation, 100);
         assert!((delta_w - 0.02 * (1.0 - (-1.0_f64).exp())).abs() < 1e-10);
     }
 
@@ -208,15 +187,6 @@ mod tests {
                 let expected = if k < steps { -1.0 } else { f64::from(k - steps) };
                 assert_eq!(dead_time.pass(f64::from(k)), expected);
             }
-        }
-    }
-
-    #[test]
-    fn internal_steps_are_at_most_a_millisecond() {
-        for (duration_s, steps) in
-            [(0.01, 10), (0.1 + 0.2, 300), (1e-5, 1), (0.0101, 11), (1.0 / 60.0, 17)]
-        {
-            assert_eq!(internal_steps(duration_s), steps);
         }
     }
 }

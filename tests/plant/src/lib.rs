@@ -6,4 +6,9 @@
 extern crate std;
 
 pub mod dynamics;
+mod model;
 pub mod noise;
+pub mod variables;
+
+pub use model::PlantModel;
+pub use variables::PlantVariable;
