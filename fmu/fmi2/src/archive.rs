@@ -1,6 +1,6 @@
-//! State of an instance as bytes: one pass over the fields serves to count, write and read them.
+//! Fields as bytes, little-endian: one pass over them serves to count, write and read.
 //!
-//! Format, little-endian: `SGST`, version, GUID, length and CRC-32 of the body, body.
+//! Format of a saved state: `SGST`, version, GUID, length and CRC-32 of the body, body.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
@@ -114,8 +114,8 @@ impl Archive<'_> {
         self.sound &= holds;
     }
 
-    /// Moves `bytes` along; true where they were read.
-    fn bytes(&mut self, bytes: &mut [u8]) -> bool {
+    /// Plain bytes; true where they were read.
+    pub fn bytes(&mut self, bytes: &mut [u8]) -> bool {
         let end = self.position.saturating_add(bytes.len());
         let range = self.position..end;
         self.position = end;
@@ -149,6 +149,22 @@ pub(crate) fn copy(from: &[u8], to: &mut [u8]) {
     }
 }
 
+/// Writes the bare fields that `fields` passes through; false unless they fill `buffer`.
+pub fn write_fields(buffer: &mut [u8], fields: impl FnOnce(&mut Archive<'_>)) -> bool {
+    let length = buffer.len();
+    let mut archive = Archive { direction: Direction::Write(buffer), position: 0, sound: true };
+    fields(&mut archive);
+    archive.sound && archive.position == length
+}
+
+/// Reads bare fields; false unless `bytes` hold exactly these, each with an admissible value. What
+/// was read is of no use then.
+pub fn read_fields(bytes: &[u8], fields: impl FnOnce(&mut Archive<'_>)) -> bool {
+    let mut archive = Archive { direction: Direction::Read(bytes), position: 0, sound: true };
+    fields(&mut archive);
+    archive.sound && archive.position == bytes.len()
+}
+
 /// Serialised length of what `fields` passes through, bytes.
 pub(crate) fn length(fields: impl FnOnce(&mut Archive<'_>)) -> usize {
     let mut archive = Archive { direction: Direction::Count, position: 0, sound: true };
@@ -156,24 +172,17 @@ pub(crate) fn length(fields: impl FnOnce(&mut Archive<'_>)) -> usize {
     HEADER + archive.position
 }
 
-/// Writes what `fields` passes through; false if `buffer` is not of its length.
+/// Writes a state; false unless `buffer` is of its length.
 pub(crate) fn write(buffer: &mut [u8], guid: &Guid, fields: impl FnOnce(&mut Archive<'_>)) -> bool {
     let Some((header, body)) = buffer.split_at_mut_checked(HEADER) else { return false };
-    let body_length = body.len();
-    let mut archive = Archive { direction: Direction::Write(body), position: 0, sound: true };
-    fields(&mut archive);
-    let sound = archive.sound && archive.position == body_length;
-    write_header(header, guid, body);
-    sound
-}
-
-fn write_header(header: &mut [u8], guid: &Guid, body: &[u8]) {
-    let mut archive = Archive { direction: Direction::Write(header), position: 0, sound: true };
-    archive.bytes(&mut { MAGIC });
-    archive.u32(&mut { VERSION });
-    archive.bytes(&mut guid.0.clone());
-    archive.u32(&mut (body.len() as u32));
-    archive.u32(&mut CRC.checksum(body));
+    write_fields(body, fields)
+        && write_fields(header, |archive| {
+            archive.bytes(&mut { MAGIC });
+            archive.u32(&mut { VERSION });
+            archive.bytes(&mut { guid.0 });
+            archive.u32(&mut { body.len() as u32 });
+            archive.u32(&mut { CRC.checksum(body) });
+        })
 }
 
 /// Reads a serialised state through `fields`.
@@ -186,13 +195,7 @@ pub(crate) fn read(
     fields: impl FnOnce(&mut Archive<'_>),
 ) -> Result<(), &'static str> {
     let body = checked_body(state, guid)?;
-    let mut archive = Archive { direction: Direction::Read(body), position: 0, sound: true };
-    fields(&mut archive);
-    if archive.sound && archive.position == body.len() {
-        Ok(())
-    } else {
-        Err("its contents are not those of a state")
-    }
+    if read_fields(body, fields) { Ok(()) } else { Err("its contents are not those of a state") }
 }
 
 fn checked_body<'a>(state: &'a [u8], guid: &Guid) -> Result<&'a [u8], &'static str> {

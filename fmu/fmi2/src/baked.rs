@@ -116,9 +116,13 @@ impl Block {
 
     /// The bytes as they are in the loaded library.
     pub fn load(&self) -> [u8; BLOCK_SIZE] {
-        // SAFETY: a reference is valid for reads. The read is volatile because the bytes in the file
-        // are changed after linking: the compiler must not conclude from the initial value.
-        unsafe { (&raw const self.0).read_volatile() }
+        let mut bytes = self.0;
+        for (place, byte) in bytes.iter_mut().zip(&self.0) {
+            // SAFETY: a reference is valid for reads. They are volatile because the bytes in the
+            // file change after linking: the compiler must not conclude from the initial ones.
+            *place = unsafe { (&raw const *byte).read_volatile() };
+        }
+        bytes
     }
 }
 

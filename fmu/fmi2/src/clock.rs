@@ -10,7 +10,7 @@ const SAMPLE_TOLERANCE: f64 = 1e-6;
 const TIME_TOLERANCE: f64 = 1e-9;
 /// Largest distance from the start in sample periods: 348 years at 10 ms. Beyond it the floating-
 /// point numbers of the grid come too close to each other.
-const LONGEST_RUN: f64 = (1_u64 << 40) as f64;
+const LONGEST_RUN: u64 = 1 << 40;
 
 /// Why a communication step is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ impl Clock {
         if let Some(stop) = self.stop.filter(|stop| end > stop + tolerance(*stop)) {
             return Err(StepRefusal::PastStopTime(stop));
         }
-        if end - self.start > LONGEST_RUN * period {
+        if end - self.start > LONGEST_RUN as f64 * period {
             return Err(StepRefusal::TooFar);
         }
         Ok(Step { point, end, displaced: displacement > tolerance(point) })
@@ -86,6 +86,7 @@ impl Clock {
         archive.optional(&mut self.stop, |archive, stop| archive.finite(stop));
         archive.finite(&mut self.point);
         archive.u64(&mut self.next_sample);
+        archive.require(self.next_sample <= LONGEST_RUN + 1);
     }
 }
 

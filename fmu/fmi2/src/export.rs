@@ -67,3 +67,25 @@ macro_rules! define_fmi2_functions {
         }
     };
 }
+
+/// For a `no_std` `cdylib`: links the C library, and defines the panic handler.
+///
+/// The handler calls a function that does not exist. Where no panic can be reached the linker drops
+/// it; where one can, the library does not link, and the build fails.
+#[macro_export]
+macro_rules! freestanding {
+    () => {
+        #[cfg_attr(not(windows), link(name = "c"))]
+        #[cfg_attr(windows, link(name = "msvcrt"))]
+        unsafe extern "C" {}
+
+        #[panic_handler]
+        fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+            unsafe extern "C" {
+                fn steerguard_a_panic_can_be_reached() -> !;
+            }
+            // SAFETY: never called: a library that refers to it does not link.
+            unsafe { steerguard_a_panic_can_be_reached() }
+        }
+    };
+}

@@ -82,7 +82,7 @@ impl Text {
         if point <= 0 {
             self.digits(digits * power_of_ten(-point), 1);
         } else {
-            let unit = power_of_ten(point);
+            let unit = power_of_ten(point).max(1);
             self.digits(digits / unit, 1).str(".").digits(digits % unit, point);
         }
         if plain { self } else { self.str("e").integer(exponent) }
