@@ -1,0 +1,20 @@
+//! The packaged FMUs, found by the environment variable that `tests/run` sets.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::{Path, PathBuf};
+
+use fmi::fmi2::import::Fmi2Import;
+
+/// A file among the packaged fixtures.
+pub fn fixture(name: &str) -> PathBuf {
+    let folder = std::env::var_os("STEERGUARD_FIXTURES")
+        .expect("STEERGUARD_FIXTURES names the folder of the packaged FMUs; tests/run sets it");
+    Path::new(&folder).join(name)
+}
+
+/// The FMU of a model, unpacked and described by the foreign importer.
+pub fn import(model: &str) -> Fmi2Import {
+    let path = fixture(&format!("{model}.fmu"));
+    fmi::import::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}

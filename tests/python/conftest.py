@@ -1,0 +1,37 @@
+"""The packaged FMUs and their design, from the folder that tests/run names."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from fmu import Fmu
+from reference import Reference
+
+
+@pytest.fixture(scope="session")
+def fixtures():
+    """Folder with SteeringFaultDetector.fmu, VehiclePlant.fmu and design.json."""
+    folder = os.environ.get("STEERGUARD_FIXTURES")
+    assert folder, "STEERGUARD_FIXTURES names the folder of the packaged FMUs; tests/run sets it"
+    return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def design(fixtures):
+    return json.loads((fixtures / "design.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="session")
+def reference(design):
+    return Reference(design)
+
+
+@pytest.fixture(scope="session")
+def detector(fixtures, tmp_path_factory):
+    return Fmu(fixtures / "SteeringFaultDetector.fmu", tmp_path_factory.mktemp("detector"))
+
+
+@pytest.fixture(scope="session")
+def plant(fixtures, tmp_path_factory):
+    return Fmu(fixtures / "VehiclePlant.fmu", tmp_path_factory.mktemp("plant"))

@@ -1,0 +1,77 @@
+"""Names of the detector's variables, input signals, and the comparison with the reference.
+
+Conventions: inputs and results are mappings of names to arrays with one row for each communication
+step; row k of the results is what the detector shows after step k.
+"""
+
+import numpy as np
+
+INPUTS = ["v_x", "r", "u.T_eng", "u.delta"]
+OUTPUTS = [
+    "residual.v_x", "residual.r", "v_y_hat", "J_rms", "J_th", "J_ratio",
+    "alarm", "alarm_latched", "first_alarm_time", "state",
+]  # fmt: skip
+RELATIVE_TOLERANCE = 1e-12
+
+
+def random_drive(seed, n, period, v_x=(4.0, 31.5), r=(-0.65, 0.65)):
+    """Smooth measurements that range over the intervals and beyond what the vehicle would do."""
+    rng = np.random.default_rng(seed)
+    t = period * np.arange(n)
+
+    def wander(low, high):
+        """A sum of sines, scaled to touch both ends."""
+        frequency_hz, phase = rng.uniform(0.02, 0.4, 6), rng.uniform(0, 2 * np.pi, 6)
+        x = np.sin(2 * np.pi * np.outer(t, frequency_hz) + phase).sum(axis=1)
+        return low + (high - low) * (x - x.min()) / np.ptp(x)
+
+    return {
+        "v_x": wander(*v_x),
+        "r": wander(*r),
+        "u.T_eng": wander(-2000.0, 2000.0),
+        "u.delta": wander(-0.05, 0.05),
+    }
+
+
+def expected(reference, inputs, step=None, start_time=0.0, **parameters):
+    """The reference's results for `inputs` that change at the communication points only.
+
+    Sample k runs in the communication step that holds its time k T_s, a millionth of T_s early
+    counting as there.
+    """
+    n = len(inputs["v_x"])
+    points = np.arange(n + 1) * (step or reference.period)
+    first = np.ceil(points / reference.period - 1e-6).astype(int)  # first sample not before a point
+    row = np.searchsorted(first, np.arange(first[-1]), side="right") - 1  # step of each sample
+    y = np.column_stack([inputs["v_x"], inputs["r"]])[row]
+    u = np.column_stack([inputs["u.T_eng"], inputs["u.delta"]])[row]
+    columns = reference.run(y, u, **parameters).columns(reference.period, start_time)
+    return {name: column[first[1:] - 1] for name, column in columns.items()}
+
+
+def assert_agree(found, expected, inputs, weights):
+    """Compares two records of the detector's results.
+
+    Truth values, states and alarm times (to a rounding of the time) are equal at every row. Other
+    reals agree to 1e-12 of the numbers they are computed from: a residual is the difference of a
+    measurement and its estimate, so its rounding scales with the measurements and not with what is
+    left of them; likewise J, and J_ratio, which divides by J_th.
+    """
+    for name in ["alarm", "alarm_latched", "state"]:
+        different = np.flatnonzero(np.asarray(found[name]) != expected[name])
+        assert different.size == 0, f"{name} differs first at row {different[0]}"
+    with np.errstate(invalid="ignore"):
+        speeds = np.abs(inputs["v_x"])
+        measured = np.max(speeds[speeds < 100.0])
+    scale = {
+        "residual.v_x": measured,
+        "residual.r": measured,
+        "v_y_hat": measured,
+        "J_rms": measured * max(weights),
+        "J_th": np.min(expected["J_th"]),
+        "J_ratio": measured * max(weights) / np.min(expected["J_th"]),
+        "first_alarm_time": max(1.0, np.max(np.abs(expected["first_alarm_time"]))),
+    }
+    for name, unit in scale.items():
+        worst = np.max(np.abs(found[name] - expected[name])) / unit
+        assert worst <= RELATIVE_TOLERANCE, f"{name} differs by {worst:.1e} of {unit:.3g}"

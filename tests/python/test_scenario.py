@@ -1,0 +1,63 @@
+"""The scenario of designer/METHOD.md 7: plant and detector as two FMUs, driven by fmpy."""
+
+import functools
+
+import numpy as np
+import pytest
+import scenario
+from reference import MONITORING, windowed_rms
+from signals import assert_agree, expected
+
+LARGEST_DELAY_S = 0.10
+
+
+@pytest.fixture(scope="module")
+def run(plant, detector, reference):
+    """Record of the scenario at a speed."""
+    return functools.cache(
+        lambda speed: scenario.drive(plant, detector, speed, reference.period)
+    )
+
+
+@pytest.mark.parametrize("speed", [6.0, 15.0, 25.0])
+def test_fault_is_detected_and_nothing_else(run, speed):
+    record = run(speed)
+    before = record["time"] < scenario.FAULT_ONSET_S - 1e-9
+    assert (record["state"] == MONITORING).all()
+    assert not record["alarm"][before].any()
+    onset_to_alarm_s = record["first_alarm_time"][-1] - scenario.FAULT_ONSET_S
+    assert record["alarm_latched"][-1] and 0.0 <= onset_to_alarm_s <= LARGEST_DELAY_S + 1e-9
+    later = record["time"] > scenario.FAULT_ONSET_S + 0.5
+    assert record["alarm"][later].all(), "the fault stays, and so does the alarm"
+
+
+def test_edge_of_the_range_is_reported(run, record_property):
+    """5 m/s is where the range of the design ends: no promise, but no alarm without a fault."""
+    record = run(5.0)
+    before = record["time"] < scenario.FAULT_ONSET_S - 1e-9
+    record_property("share_monitored", float(np.mean(record["state"] == MONITORING)))
+    record_property("first_alarm_time_s", float(record["first_alarm_time"][-1]))
+    assert not record["alarm"][before].any()
+
+
+@pytest.mark.parametrize("speed", [5.0, 6.0, 15.0, 25.0])
+def test_results_are_the_references(run, reference, speed):
+    record = run(speed)
+    assert_agree(record, expected(reference, record), record, reference.weights)
+
+
+@pytest.mark.parametrize("speed", [6.0, 15.0, 25.0])
+def test_level_of_the_residual(run, reference, speed):
+    """J with W_r = I over 40 samples against METHOD.md 7, computed independently of this project.
+
+    Its well-posed design: at most 0.00022 after 2 s without a fault, start-up peak 0.003 to 0.008,
+    0.0016 at 5.1 s, 0.0033 at 5.5 s, 0.0044 at 20 s. Gains of that design are nearly, not quite,
+    unique: 15 % is left for that and for the spread over the speeds.
+    """
+    record = run(speed)
+    t = record["time"]
+    j = windowed_rms(np.hypot(record["residual.v_x"], record["residual.r"]), 40)
+    assert 0.003 * 0.85 <= j[t < 2.0].max() <= 0.008 * 1.15
+    assert j[(t >= 2.0) & (t < 5.0 - 1e-9)].max() <= 0.00022 * 1.15
+    for at_s, level in [(5.1, 0.0016), (5.5, 0.0033), (19.99, 0.0044)]:
+        assert np.interp(at_s, t, j) == pytest.approx(level, rel=0.15), f"at {at_s} s"
