@@ -1,2 +1,3 @@
 //! The `steerguard` command.
+
 fn main() {}

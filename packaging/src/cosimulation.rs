@@ -1,0 +1,288 @@
+//! Co-simulation of a detector FMU with a plant FMU.
+//!
+//! # Conventions
+//! - Jacobi master: at communication point `t_k = k h` both FMUs get their inputs, then both step
+//!   over h. The detector is given what the plant measures at t_k and the u_k that acts on the plant
+//!   from then on, so what it puts out after the step belongs to sample k, time t_k.
+//! - The plant takes the vehicle that the detector was designed for: every `vehicle.*`, by name.
+
+use serde::{Serialize, Serializer};
+
+use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
+use crate::scenario::{Scenario, ScenarioError};
+
+/// Why a co-simulation ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum CosimulationError {
+    /// An FMU lacks a variable, or has none where it is looked for.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// An FMU refused a call or failed.
+    #[error(transparent)]
+    Call(#[from] CallError),
+    /// The scenario does not fit the communication step.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Neither scenario nor detector says how long a communication step is.
+    #[error("the detector proposes no communication step and the scenario gives none")]
+    NoStep,
+}
+
+/// Sample k of a run: the columns of its CSV file, named as the FMU variables.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sample {
+    /// t_k, s.
+    pub time: f64,
+    /// Measured longitudinal speed, m/s.
+    pub v_x: f64,
+    /// Measured yaw rate, rad/s.
+    pub r: f64,
+    /// Drive torque, N m.
+    #[serde(rename = "u.T_eng")]
+    pub drive_torque: f64,
+    /// Commanded road-wheel angle, rad.
+    #[serde(rename = "u.delta")]
+    pub steering_angle: f64,
+    /// Angle added by the faulty actuator, rad.
+    pub fault: f64,
+    /// Side force, N.
+    #[serde(rename = "disturbance.side_force")]
+    pub side_force: f64,
+    /// Yaw moment, N m.
+    #[serde(rename = "disturbance.yaw_moment")]
+    pub yaw_moment: f64,
+    /// Lateral speed, m/s.
+    #[serde(rename = "true.v_y")]
+    pub lateral_speed: f64,
+    /// Residual of the longitudinal speed, m/s.
+    #[serde(rename = "residual.v_x")]
+    pub residual_v_x: f64,
+    /// Residual of the yaw rate, rad/s.
+    #[serde(rename = "residual.r")]
+    pub residual_r: f64,
+    /// Windowed RMS of the weighted residual.
+    #[serde(rename = "J_rms")]
+    pub j_rms: f64,
+    /// Threshold.
+    #[serde(rename = "J_th")]
+    pub j_th: f64,
+    /// Estimated lateral speed, m/s.
+    pub v_y_hat: f64,
+    /// Whether a fault is detected; 0 or 1 in the file.
+    #[serde(serialize_with = "as_digit")]
+    pub alarm: bool,
+    /// Item of the enumeration `DetectorState`.
+    pub state: i32,
+}
+
+fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u8(u8::from(*value))
+}
+
+/// One run of a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// v_x(0), m/s.
+    pub initial_speed_m_per_s: f64,
+    /// Communication step, s.
+    pub step_s: f64,
+    /// Samples 0, 1, ... before the end of the run.
+    pub samples: Vec<Sample>,
+}
+
+/// Drives both FMUs through the run of `scenario` with the given initial speed.
+///
+/// # Errors
+/// [`CosimulationError`] at the first call that an FMU refuses.
+pub fn run(
+    detector: &Fmu,
+    plant: &Fmu,
+    scenario: &Scenario,
+    initial_speed_m_per_s: f64,
+) -> Result<Run, CosimulationError> {
+    let step_s = scenario
+        .communication_step_s
+        .or(detector.step_size_s())
+        .ok_or(CosimulationError::NoStep)?;
+    let steps = scenario.steps(step_s)?;
+    let mut master = Master::start(detector, plant, scenario, initial_speed_m_per_s)?;
+    let samples =
+        (0..steps).map(|k| master.step(f64::from(k) * step_s, step_s)).collect::<Result<_, _>>()?;
+    master.detector.terminate()?;
+    master.plant.terminate()?;
+    Ok(Run { initial_speed_m_per_s, step_s, samples })
+}
+
+/// What the scenario asks for at a communication point.
+struct Excitation {
+    drive_torque: f64,
+    steering_angle: f64,
+    fault: f64,
+    side_force: f64,
+    yaw_moment: f64,
+}
+
+struct Master<'a> {
+    scenario: &'a Scenario,
+    initial_speed_m_per_s: f64,
+    mass_kg: f64,
+    cruise_torque_n_m: f64,
+    detector: Instance,
+    plant: Instance,
+    ports: Ports,
+}
+
+/// Value references of what is exchanged and recorded.
+struct Ports {
+    plant_inputs: [u32; 5],
+    plant_outputs: [u32; 3],
+    detector_inputs: [u32; 4],
+    detector_outputs: [u32; 5],
+    alarm: u32,
+    state: u32,
+}
+
+impl Ports {
+    fn find(detector: &Fmu, plant: &Fmu) -> Result<Self, ImportError> {
+        Ok(Self {
+            plant_inputs: plant.reals([
+                "u.T_eng",
+                "u.delta",
+                "fault",
+                "disturbance.side_force",
+                "disturbance.yaw_moment",
+            ])?,
+            plant_outputs: plant.reals(["v_x", "r", "true.v_y"])?,
+            detector_inputs: detector.reals(["v_x", "r", "u.T_eng", "u.delta"])?,
+            detector_outputs: detector.reals([
+                "residual.v_x",
+                "residual.r",
+                "J_rms",
+                "J_th",
+                "v_y_hat",
+            ])?,
+            alarm: detector.variable("alarm", Type::Boolean)?,
+            state: detector.variable("state", Type::Enumeration)?,
+        })
+    }
+}
+
+impl<'a> Master<'a> {
+    fn start(
+        detector_fmu: &Fmu,
+        plant_fmu: &Fmu,
+        scenario: &'a Scenario,
+        initial_speed_m_per_s: f64,
+    ) -> Result<Self, CosimulationError> {
+        let ports = Ports::find(detector_fmu, plant_fmu)?;
+        let detector = detector_fmu.instantiate("detector")?;
+        let mut plant = plant_fmu.instantiate("plant")?;
+
+        for name in detector_fmu.names().filter(|name| name.starts_with("vehicle.")) {
+            let value = detector.get_real(detector_fmu.reals([name])?)?;
+            plant.set_real(plant_fmu.reals([name])?, value)?;
+        }
+        let [mass_kg, drag] =
+            detector.get_real(detector_fmu.reals(["vehicle.M_v", "vehicle.C_x"])?)?;
+        plant.set_real(
+            plant_fmu.reals(["initial.v_x", "initial.v_y", "initial.r"])?,
+            [
+                initial_speed_m_per_s,
+                scenario.initial_lateral_speed_m_per_s,
+                scenario.initial_yaw_rate_rad_per_s,
+            ],
+        )?;
+
+        let cruise_torque_n_m = drag * initial_speed_m_per_s * initial_speed_m_per_s;
+        let mut master = Self {
+            scenario,
+            initial_speed_m_per_s,
+            mass_kg,
+            cruise_torque_n_m,
+            detector,
+            plant,
+            ports,
+        };
+        master.initialise()?;
+        Ok(master)
+    }
+
+    fn initialise(&mut self) -> Result<(), CosimulationError> {
+        let stop_time_s = self.scenario.duration_s;
+        let excitation = self.excitation(0.0);
+        self.plant.setup_experiment(stop_time_s)?;
+        self.plant.enter_initialization_mode()?;
+        self.excite_plant(&excitation)?;
+        self.plant.exit_initialization_mode()?;
+
+        self.detector.setup_experiment(stop_time_s)?;
+        self.detector.enter_initialization_mode()?;
+        self.connect(&excitation)?;
+        self.detector.exit_initialization_mode()?;
+        Ok(())
+    }
+
+    fn step(&mut self, time_s: f64, step_s: f64) -> Result<Sample, CosimulationError> {
+        let excitation = self.excitation(time_s);
+        let [v_x, r, lateral_speed] = self.connect(&excitation)?;
+        self.excite_plant(&excitation)?;
+        self.detector.do_step(time_s, step_s)?;
+        self.plant.do_step(time_s, step_s)?;
+
+        let [residual_v_x, residual_r, j_rms, j_th, v_y_hat] =
+            self.detector.get_real(self.ports.detector_outputs)?;
+        let [alarm] = self.detector.get_boolean([self.ports.alarm])?;
+        let [state] = self.detector.get_integer([self.ports.state])?;
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
+        Ok(Sample {
+            time: time_s,
+            v_x,
+            r,
+            drive_torque,
+            steering_angle,
+            fault,
+            side_force,
+            yaw_moment,
+            lateral_speed,
+            residual_v_x,
+            residual_r,
+            j_rms,
+            j_th,
+            v_y_hat,
+            alarm: alarm != 0,
+            state,
+        })
+    }
+
+    /// Passes what the plant measures, and u, to the detector.
+    fn connect(&mut self, excitation: &Excitation) -> Result<[f64; 3], CallError> {
+        let outputs = self.plant.get_real(self.ports.plant_outputs)?;
+        let [v_x, r, _] = outputs;
+        self.detector.set_real(
+            self.ports.detector_inputs,
+            [v_x, r, excitation.drive_torque, excitation.steering_angle],
+        )?;
+        Ok(outputs)
+    }
+
+    fn excite_plant(&mut self, excitation: &Excitation) -> Result<(), CallError> {
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } =
+            *excitation;
+        self.plant.set_real(
+            self.ports.plant_inputs,
+            [drive_torque, steering_angle, fault, side_force, yaw_moment],
+        )
+    }
+
+    fn excitation(&self, time_s: f64) -> Excitation {
+        let Self { scenario, initial_speed_m_per_s: v, mass_kg, cruise_torque_n_m, .. } = *self;
+        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
+        Excitation {
+            drive_torque: cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
+            steering_angle: scenario.steering_angle_rad.at(time_s, v),
+            fault: scenario.steering_fault_rad(time_s, v),
+            side_force,
+            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! The paper's Fig. 1 for each run: J against its threshold, the fault below, the alarm behind both.
+
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use crate::cosimulation::Run;
+use crate::detection::Detection;
+
+/// Pixels of the drawing per pixel of the figure: lines are drawn to whole pixels.
+const SCALE: u32 = 4;
+/// Size of one run's panel, figure pixels.
+const PANEL: (u32, u32) = (560, 330);
+/// Height of the legend, figure pixels.
+const LEGEND: u32 = 34;
+
+const J_RMS: RGBColor = RGBColor(0, 114, 178);
+const J_TH: RGBColor = RGBColor(213, 94, 0);
+const FAULT: RGBColor = RGBColor(60, 60, 60);
+const ALARM: RGBColor = RGBColor(253, 224, 221);
+const GRID: RGBColor = RGBColor(225, 225, 225);
+const AXIS: RGBColor = RGBColor(90, 90, 90);
+
+/// A figure that could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot draw the plot: {0}")]
+pub struct PlotError(String);
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotError {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self(error.to_string())
+    }
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Draws `runs` with their figures as an SVG document.
+///
+/// # Errors
+/// [`PlotError`] if the drawing library refuses.
+pub fn svg(runs: &[(Run, Detection)]) -> Result<String, PlotError> {
+    let columns = if runs.len() > 1 { 2 } else { 1 };
+    let rows = runs.len().div_ceil(columns).max(1);
+    let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + LEGEND);
+    let drawn = (size.0 * SCALE, size.1 * SCALE);
+
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, drawn).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (legend, panels) = root.split_vertically(LEGEND * SCALE);
+        draw_legend(&legend)?;
+        for (panel, (run, detection)) in panels.split_evenly((rows, columns)).iter().zip(runs) {
+            draw_run(panel, run, detection)?;
+        }
+        root.present()?;
+    }
+    let header = |(width, height): (u32, u32)| format!("width=\"{width}\" height=\"{height}\"");
+    Ok(text.replacen(&header(drawn), &header(size), 1))
+}
+
+fn font(size: u32) -> TextStyle<'static> {
+    ("Helvetica, Arial, sans-serif", size * SCALE).into_font().color(&BLACK)
+}
+
+fn line(color: RGBColor, tenths: u32) -> ShapeStyle {
+    color.stroke_width((tenths * SCALE / 10).max(1))
+}
+
+fn draw_legend(area: &Area<'_>) -> Result<(), PlotError> {
+    let pixel = |x: u32, y: u32| ((x * SCALE) as i32, (y * SCALE) as i32);
+    let stroke = |x: u32| vec![pixel(x, 20), pixel(x + 28, 20)];
+    area.draw(&PathElement::new(stroke(70), line(J_RMS, 18)))?;
+    area.draw(&Text::new("J_rms", pixel(104, 13), font(13)))?;
+    for dash in 0..4 {
+        let x = 180 + 8 * dash;
+        area.draw(&PathElement::new(vec![pixel(x, 20), pixel(x + 5, 20)], line(J_TH, 18)))?;
+    }
+    area.draw(&Text::new("threshold J_th", pixel(217, 13), font(13)))?;
+    area.draw(&PathElement::new(stroke(340), line(FAULT, 18)))?;
+    area.draw(&Text::new("steering fault", pixel(374, 13), font(13)))?;
+    area.draw(&Rectangle::new([pixel(490, 13), pixel(518, 27)], ALARM.filled()))?;
+    area.draw(&Text::new("alarm", pixel(524, 13), font(13)))?;
+    Ok(())
+}
+
+fn draw_run(panel: &Area<'_>, run: &Run, detection: &Detection) -> Result<(), PlotError> {
+    let (upper, lower) = panel.split_vertically(PANEL.1 * SCALE * 64 / 100);
+    let end = run.samples.len() as f64 * run.step_s;
+    let largest = |value: &dyn Fn(usize) -> f64, least: f64| {
+        (0..run.samples.len()).map(value).filter(|x| x.is_finite()).fold(least, f64::max)
+    };
+    let degrees = |k: usize| run.samples.get(k).map_or(0.0, |sample| sample.fault.to_degrees());
+    let j = |k: usize| run.samples.get(k).map_or(0.0, |sample| sample.j_rms.max(sample.j_th));
+
+    let top = 1.08 * largest(&j, 1e-9);
+    let mut chart = axes(&upper, &title(detection), end, 0.0..top, "J", None)?;
+    shade_alarm(&mut chart, run, 0.0..top)?;
+    let series = |value: fn(&crate::cosimulation::Sample) -> f64| {
+        run.samples.iter().map(move |sample| (sample.time, value(sample)))
+    };
+    chart.draw_series(LineSeries::new(series(|sample| sample.j_rms), line(J_RMS, 14)))?;
+    let (dash, gap) = (5 * SCALE, 3 * SCALE);
+    chart.draw_series(DashedLineSeries::new(
+        series(|sample| sample.j_th),
+        dash,
+        gap,
+        line(J_TH, 14),
+    ))?;
+
+    let (low, high) = (-largest(&|k| -degrees(k), 0.0), largest(&degrees, 1e-9));
+    let range = 1.15 * low..1.15 * high;
+    let mut chart =
+        axes(&lower, "", end, range.clone(), "fault [deg]", Some("time [s]"))?;
+    shade_alarm(&mut chart, run, range)?;
+    chart.draw_series(LineSeries::new(series(|s| s.fault.to_degrees()), line(FAULT, 14)))?;
+    Ok(())
+}
+
+fn title(detection: &Detection) -> String {
+    let speed = format!("v_x(0) = {} m/s", detection.initial_speed_m_per_s);
+    match (detection.alarm_s, detection.delay_s) {
+        (Some(alarm), Some(delay)) => {
+            format!("{speed}: alarm at {alarm:.2} s, {delay:.2} s after the fault")
+        }
+        _ if detection.fault_onset_s.is_some() => format!("{speed}: no alarm"),
+        _ => speed,
+    }
+}
+
+fn axes<'a, 'b>(
+    area: &'a Area<'b>,
+    title: &str,
+    end: f64,
+    range: Range<f64>,
+    y_label: &str,
+    x_label: Option<&str>,
+) -> Result<Chart<'a, 'b>, PlotError> {
+    let mut builder = ChartBuilder::on(area);
+    builder.margin_left(8 * SCALE).margin_right(16 * SCALE).margin_top(4 * SCALE);
+    builder.set_label_area_size(LabelAreaPosition::Left, 62 * SCALE);
+    builder.set_label_area_size(
+        LabelAreaPosition::Bottom,
+        if x_label.is_some() { 40 * SCALE } else { 6 * SCALE },
+    );
+    if !title.is_empty() {
+        builder.caption(title, font(13));
+    }
+    let mut chart = builder.build_cartesian_2d(0.0..end, range.clone())?;
+    let decimals = decimals(range.end - range.start);
+    let y_format = move |y: &f64| format!("{y:.decimals$}");
+    let mut mesh = chart.configure_mesh();
+    mesh.light_line_style(TRANSPARENT)
+        .bold_line_style(line(GRID, 7))
+        .axis_style(line(AXIS, 8))
+        .label_style(font(11))
+        .axis_desc_style(font(12))
+        .y_desc(y_label)
+        .y_labels(if x_label.is_some() { 3 } else { 5 })
+        .y_label_formatter(&y_format)
+        .x_labels(if x_label.is_some() { 6 } else { 0 })
+        .x_label_formatter(&|x| format!("{x}"));
+    if let Some(label) = x_label {
+        mesh.x_desc(label);
+    }
+    mesh.draw()?;
+    Ok(chart)
+}
+
+/// Decimals that tell the ticks of an axis of the given length apart.
+fn decimals(length: f64) -> usize {
+    (1.0 - (length / 2.0).log10().floor()).clamp(0.0, 12.0) as usize
+}
+
+/// Fills the time in which the alarm is on.
+fn shade_alarm(chart: &mut Chart<'_, '_>, run: &Run, range: Range<f64>) -> Result<(), PlotError> {
+    let boxes = run.samples.chunk_by(|a, b| a.alarm == b.alarm).filter_map(|episode| {
+        let (first, last) = (episode.first()?, episode.last()?);
+        let corners = [(first.time, range.start), (last.time + run.step_s, range.end)];
+        first.alarm.then(|| Rectangle::new(corners, ALARM.filled()))
+    });
+    chart.draw_series(boxes)?;
+    Ok(())
+}
