@@ -30,6 +30,7 @@ enum Direction<'a> {
 
 impl Archive<'_> {
     /// A real number, bit for bit.
+    #[inline(never)] // small code: it is called for some hundred fields
     pub fn real(&mut self, value: &mut f64) {
         let mut bytes = value.to_le_bytes();
         if self.bytes(&mut bytes) {
@@ -115,6 +116,7 @@ impl Archive<'_> {
     }
 
     /// Plain bytes; true where they were read.
+    #[inline(never)]
     pub fn bytes(&mut self, bytes: &mut [u8]) -> bool {
         let end = self.position.saturating_add(bytes.len());
         let range = self.position..end;

@@ -114,6 +114,7 @@ impl Text {
         self.bytes(buffer.get(start..).unwrap_or(&[]))
     }
 
+    #[inline(never)] // small code: messages have many parts
     fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
         // The last byte stays NUL.
         let free = self.bytes.iter_mut().take(CAPACITY - 1).skip(self.length);
