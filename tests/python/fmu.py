@@ -30,6 +30,10 @@ class Instance(FMU2Slave):
         self.variables = {v.name: v for v in description.modelVariables}
         self.messages = []  # (status, category, text)
 
+    def complaints(self):
+        """Texts of the log messages that are warnings or worse."""
+        return [text for status, _, text in self.messages if status > 0]
+
     def open(self):
         """Instantiates with logging on; an FMU that refuses raises."""
 

@@ -53,7 +53,7 @@ def drive(plant, detector, speed, period):
             monitor.doStep(t, period)
             vehicle.doStep(t, period)
             rows.append({"time": t} | y | u | monitor.get(OUTPUTS))
-        assert not monitor.messages, monitor.messages
+        assert not monitor.complaints(), monitor.complaints()
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
