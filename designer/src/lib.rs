@@ -1,1 +1,5 @@
 //! Steerguard.
+pub mod gains;
+pub mod lmi;
+pub mod synthesis;
+pub mod theorem4;
