@@ -9,12 +9,18 @@ from fmu import Fmu
 from reference import Reference
 
 
+FIXTURES = "STEERGUARD_FIXTURES"
+
+
+def pytest_sessionstart():
+    if FIXTURES not in os.environ:
+        raise pytest.UsageError(f"{FIXTURES} names the folder of the packaged FMUs; tests/run sets it")
+
+
 @pytest.fixture(scope="session")
 def fixtures():
     """Folder with SteeringFaultDetector.fmu, VehiclePlant.fmu and design.json."""
-    folder = os.environ.get("STEERGUARD_FIXTURES")
-    assert folder, "STEERGUARD_FIXTURES names the folder of the packaged FMUs; tests/run sets it"
-    return Path(folder)
+    return Path(os.environ[FIXTURES])
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ GETTERS = {"Real": "getReal", "Integer": "getInteger", "Enumeration": "getIntege
            "Boolean": "getBoolean", "String": "getString"}  # fmt: skip
 
 
-class Instance(FMU2Slave):
+class FMU2Instance(FMU2Slave):  # fmpy reads the version of FMI from the beginning of this name
     """A Co-Simulation instance whose variables have names."""
 
     def __init__(self, description, folder, guid, name):
@@ -95,7 +95,7 @@ class Fmu:
     @contextmanager
     def instance(self, guid=None, name="instance"):
         """An instance, freed at the end."""
-        instance = Instance(self.description, self.folder, guid or self.description.guid, name)
+        instance = FMU2Instance(self.description, self.folder, guid or self.description.guid, name)
         instance.open()
         try:
             yield instance

@@ -63,14 +63,21 @@ def test_given_initial_state(detector, reference, z_0):
 
 def test_estimate_out_of_range_and_back(detector, reference):
     """A steering angle that the measured yaw rate does not follow drives the estimate out."""
-    n = SAMPLES
-    inputs = {
-        "v_x": np.full(n, 15.0),
-        "r": np.zeros(n),
-        "u.T_eng": np.full(n, 78.75),
-        "u.delta": np.where(np.arange(n) % 1000 < 500, 0.0, 0.3),
-    }
-    results = compare(detector, reference, inputs)
-    left = results["state"] == OUT_OF_RANGE
-    assert left.any() and not results["alarm"][left].any()
-    assert results["state"][-1000] == MONITORING, "must come back"
+    phase = np.arange(SAMPLES) % 1000
+
+    def inputs(angle):
+        return {
+            "v_x": np.full(SAMPLES, 15.0),
+            "r": np.zeros(SAMPLES),
+            "u.T_eng": np.full(SAMPLES, 78.75),
+            "u.delta": np.where(phase < 500, 0.0, angle),
+        }
+
+    def left(angle):
+        return expected(reference, inputs(angle))["state"] == OUT_OF_RANGE
+
+    # How large the angle must be depends on the gains.
+    angle = next(angle for angle in 0.1 * 1.5 ** np.arange(20) if left(angle).any())
+    results = compare(detector, reference, inputs(angle))
+    assert not results["alarm"][left(angle)].any()
+    assert results["state"][phase == 499].tolist() == [MONITORING] * 3, "must come back"
