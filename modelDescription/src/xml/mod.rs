@@ -1,1 +1,10 @@
-//! `modelDescription.xml`: rendering, reading, lint.
+//! `modelDescription.xml`: rendering, what an importer needs to read, and a lint.
+
+mod lint;
+mod read;
+mod render;
+mod tree;
+
+pub use lint::{Finding, Level, lint};
+pub use read::{CoSimulation, Description, Experiment, ReadError, ScalarVariable, Start, read};
+pub use render::{Rendered, describe, render};
