@@ -58,3 +58,37 @@ def test_nothing_has_run_before_the_first_step(detector, reference):
     assert before["residual.v_x"] == before["residual.r"] == before["J_rms"] == 0.0
     assert before["J_th"] == pytest.approx(reference.threshold, rel=1e-15)
     assert not before["alarm"] and before["first_alarm_time"] == -1.0
+
+
+def test_input_derivatives_carry_inputs_through_a_long_step(detector, reference):
+    """Inputs that are parabolas of time, with their derivatives set, as if sampled every T_s."""
+    samples_per_step, steps = 8, 100
+    period = reference.period
+    # name: value at t = 0, first and second derivative
+    courses = {
+        "v_x": (12.0, 0.6, -0.02),
+        "r": (-0.1, 0.03, 0.001),
+        "u.T_eng": (100.0, -20.0, 5.0),
+        "u.delta": (0.0, 0.004, -0.0002),
+    }
+
+    def at(t):
+        return {n: x + t * v + t * t / 2 * a for n, (x, v, a) in courses.items()}
+
+    results = {name: [] for name in OUTPUTS}
+    with detector.instance() as instance:
+        instance.initialise()
+        for k in range(steps):
+            t = k * samples_per_step * period
+            instance.set(at(t))
+            for n, (_, v, a) in courses.items():
+                value_reference = instance.variables[n].valueReference
+                instance.setRealInputDerivatives([value_reference] * 2, [1, 2], [v + t * a, a])
+            instance.doStep(t, samples_per_step * period)
+            for name, value in instance.get(OUTPUTS).items():
+                results[name].append(value)
+    inputs = at(period * np.arange(samples_per_step * steps))
+    last = slice(samples_per_step - 1, None, samples_per_step)
+    every = {name: column[last] for name, column in expected(reference, inputs).items()}
+    assert_agree({n: np.array(v) for n, v in results.items()}, every, inputs, reference.weights)
+    assert np.ptp(every["J_rms"]) > 0
