@@ -1,12 +1,12 @@
-//! Products of matrices and vectors (BLAS levels 2 and 3).
-//!
-//! The products fill a temporary of nalgebra's, whose kernels are fast on matrices and careless of
-//! triangles and increments; the caller's array then takes what belongs to it.
+//! Products of matrices and vectors (BLAS levels 2 and 3): `matrixmultiply`'s kernels, told by
+//! strides what is transposed.
 #![allow(clippy::too_many_arguments)] // the argument lists are the reference's
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use crate::storage::{Real, is_leading, is_triangle, triangle_rows, view, view_mut};
+use crate::storage::{
+    Real, is_leading, is_triangle, lower_triangle, triangle_rows, view, view_mut,
+};
 
 /// C := alpha op(A) op(B) + beta C, where C is `m` x `n` and op(A) is `m` x `k`.
 ///
@@ -35,15 +35,9 @@ pub(crate) unsafe fn gemm<T: Real>(
     if m < 0 || n < 0 || k < 0 || !leading {
         return;
     }
-    // SAFETY: the dimensions were checked, and the caller vouches for the array.
-    let mut c = unsafe { view_mut(c, m, n, ldc) };
-    if alpha.is_zero() {
-        c.apply(|c| *c = scaled(beta, *c));
-        return;
-    }
+    let (a, b) = (Operand::matrix(a, lda, transa), Operand::matrix(b, ldb, transb));
     // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
-    let (a, b) = unsafe { (view(transa, a, m, k, lda), view(transb, b, k, n, ldb)) };
-    c.gemm(alpha, &a, &b, beta);
+    unsafe { multiply((m, n, k), alpha, a, b, beta, c, 1, ldc) };
 }
 
 /// y := alpha op(A) x + beta y, where A is `m` x `n`.
@@ -70,14 +64,11 @@ pub(crate) unsafe fn gemv<T: Real>(
         return;
     }
     let (rows, cols) = if transposed { (n, m) } else { (m, n) };
-    let mut product = DVector::zeros(rows as usize);
-    if !alpha.is_zero() {
-        // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
-        let (a, x) = unsafe { (view(transposed, a, rows, cols, lda), gather(x, cols, incx)) };
-        product.gemv(alpha, &a, &x, T::zero());
-    }
-    // SAFETY: the increment was checked, and the caller vouches for the array.
-    unsafe { update(y, incy, beta, &product) };
+    let a = Operand::matrix(a, lda, transposed);
+    let x = Operand { first: x.wrapping_offset(first(cols, incx)), down: incx, right: 0 };
+    let y = y.wrapping_offset(first(rows, incy));
+    // SAFETY: the dimensions and increments were checked, and the caller vouches for the arrays.
+    unsafe { multiply((rows, 1, cols), alpha, a, x, beta, y, incy, 0) };
 }
 
 /// y := alpha A x + beta y, where one triangle gives the symmetric A of order `n`.
@@ -96,18 +87,14 @@ pub(crate) unsafe fn symv<T: Real>(
     y: *mut T,
     incy: i32,
 ) {
-    if !is_triangle(uplo) || n <= 0 || !is_leading(lda, n) || incx == 0 || incy == 0 {
+    if !is_triangle(uplo) || n <= 0 || !is_leading(lda, n) {
         return;
     }
-    let mut product = DVector::zeros(n as usize);
-    if !alpha.is_zero() {
-        // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
-        let (a, x) = unsafe { (view(uplo == b'U', a, n, n, lda), gather(x, n, incx)) };
-        // Reads the lower triangle only: the upper one was transposed into its place.
-        product.sygemv(alpha, &a, &x, T::zero());
-    }
-    // SAFETY: the increment was checked, and the caller vouches for the array.
-    unsafe { update(y, incy, beta, &product) };
+    // SAFETY: the dimensions were checked, and the caller vouches for the array.
+    let mut full = lower_triangle(uplo, &unsafe { view(a, n, n, lda) });
+    full.fill_upper_triangle_with_lower_triangle();
+    // SAFETY: A is now stored in full, and the rest of the contract is the caller's own.
+    unsafe { gemv(b'N', n, n, alpha, full.as_ptr(), n, x, incx, beta, y, incy) };
 }
 
 /// C := alpha op(A) op(A)' + beta C in one triangle of C, where op(A) is `n` x `k`.
@@ -126,10 +113,9 @@ pub(crate) unsafe fn syrk<T: Real>(
     c: *mut T,
     ldc: i32,
 ) {
-    // SAFETY: with B = A the product is the same and the contract is the caller's own.
-    unsafe {
-        update_triangle(uplo, trans, n, k, alpha, a, lda, a, lda, beta, c, ldc, |p, i, j| p[(i, j)])
-    };
+    let term = |p: &DMatrix<T>, i, j| p[(i, j)];
+    // SAFETY: the contract is the caller's own, with A for B.
+    unsafe { update_triangle(uplo, trans, n, k, alpha, a, lda, a, lda, beta, c, ldc, term) };
 }
 
 /// C := alpha (op(A) op(B)' + op(B) op(A)') + beta C in one triangle of C, where op(A) and op(B)
@@ -151,16 +137,13 @@ pub(crate) unsafe fn syr2k<T: Real>(
     c: *mut T,
     ldc: i32,
 ) {
+    let term = |p: &DMatrix<T>, i, j| p[(i, j)] + p[(j, i)];
     // SAFETY: the contract is the caller's own.
-    unsafe {
-        update_triangle(uplo, trans, n, k, alpha, a, lda, b, ldb, beta, c, ldc, |p, i, j| {
-            p[(i, j)] + p[(j, i)]
-        });
-    }
+    unsafe { update_triangle(uplo, trans, n, k, alpha, a, lda, b, ldb, beta, c, ldc, term) };
 }
 
-/// The triangle of C in `syrk` and `syr2k`: `term` picks the update of an element from
-/// P = alpha op(A) op(B)'.
+/// `syrk` and `syr2k`: `term` picks the update of an element of C from P = alpha op(A) op(B)'.
+/// All of P costs less than half of it without the kernel.
 ///
 /// # Safety
 /// As [`syr2k`].
@@ -188,17 +171,71 @@ unsafe fn update_triangle<T: Real>(
         return;
     }
     let mut product = DMatrix::zeros(n as usize, n as usize);
-    if !alpha.is_zero() {
-        // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
-        let (a, bt) = unsafe { (view(transposed, a, n, k, lda), view(!transposed, b, k, n, ldb)) };
-        product.gemm(alpha, &a, &bt, T::zero());
-    }
-    // SAFETY: the dimensions were checked, and the caller vouches for the array.
-    let mut c = unsafe { view_mut(c, n, n, ldc) };
+    let (a, bt) = (Operand::matrix(a, lda, transposed), Operand::matrix(b, ldb, !transposed));
+    // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
+    let mut c = unsafe {
+        multiply((n, n, k), alpha, a, bt, T::zero(), product.as_mut_ptr(), 1, n);
+        view_mut(c, n, n, ldc)
+    };
     for j in 0..c.ncols() {
         for i in triangle_rows(uplo, j, c.nrows()) {
-            c[(i, j)] = term(&product, i, j) + scaled(beta, c[(i, j)]);
+            let before = if beta.is_zero() { beta } else { beta * c[(i, j)] };
+            c[(i, j)] = term(&product, i, j) + before;
         }
+    }
+}
+
+/// A matrix to multiply by, or a vector as a matrix of one column: its first element and the
+/// strides from row to row and from column to column.
+struct Operand<T> {
+    first: *const T,
+    down: i32,
+    right: i32,
+}
+
+impl<T> Operand<T> {
+    /// The matrix stored by columns `ld` apart, or its transpose.
+    fn matrix(first: *const T, ld: i32, transposed: bool) -> Self {
+        let (down, right) = if transposed { (ld, 1) } else { (1, ld) };
+        Operand { first, down, right }
+    }
+}
+
+/// C := alpha A B + beta C, where C is `m` x `n` and A is `m` x `k`.
+///
+/// # Safety
+/// The dimensions are not negative. The elements that the strides reach are valid for reads, those
+/// of C also for writes; those of C are distinct and overlap no other.
+unsafe fn multiply<T: Real>(
+    (m, n, k): (i32, i32, i32),
+    alpha: T,
+    a: Operand<T>,
+    b: Operand<T>,
+    beta: T,
+    c: *mut T,
+    down: i32,
+    right: i32,
+) {
+    // The kernel would multiply what must not even be read.
+    let k = if alpha.is_zero() { 0 } else { k };
+    // SAFETY: the contract is the caller's own. The kernel does not read C where beta is zero.
+    unsafe {
+        T::MULTIPLY(
+            m as usize,
+            k as usize,
+            n as usize,
+            alpha,
+            a.first,
+            a.down as isize,
+            a.right as isize,
+            b.first,
+            b.down as isize,
+            b.right as isize,
+            beta,
+            c,
+            down as isize,
+            right as isize,
+        );
     }
 }
 
@@ -211,36 +248,8 @@ fn is_transposed(trans: u8) -> Option<bool> {
     }
 }
 
-/// beta c, where `beta = 0` takes no notice of c.
-fn scaled<T: Real>(beta: T, c: T) -> T {
-    if beta.is_zero() { beta } else { beta * c }
-}
-
-/// Where in its array a vector of length `n` has its elements: a negative increment starts at the
-/// far end.
-fn offsets(n: usize, inc: i32) -> impl Iterator<Item = usize> {
-    let step = inc.unsigned_abs() as usize;
-    (0..n).map(move |i| step * if inc < 0 { n - 1 - i } else { i })
-}
-
-/// The vector of length `n` at `x`.
-///
-/// # Safety
-/// `n` is not negative, and the elements are valid for reads.
-unsafe fn gather<T: Real>(x: *const T, n: i32, inc: i32) -> DVector<T> {
-    // SAFETY: the caller vouches for the elements that the increment reaches.
-    let elements = offsets(n as usize, inc).map(|offset| unsafe { *x.add(offset) });
-    DVector::from_iterator(n as usize, elements)
-}
-
-/// y := product + beta y.
-///
-/// # Safety
-/// The elements of the vector at `y`, as long as `product`, are valid for reads and writes.
-unsafe fn update<T: Real>(y: *mut T, inc: i32, beta: T, product: &DVector<T>) {
-    for (offset, &term) in offsets(product.len(), inc).zip(product) {
-        // SAFETY: the caller vouches for the elements that the increment reaches.
-        let y = unsafe { &mut *y.add(offset) };
-        *y = term + scaled(beta, *y);
-    }
+/// The offset of the first element of a vector of `n` elements: with a negative increment it is at
+/// the far end of the array.
+fn first(n: i32, inc: i32) -> isize {
+    if inc < 0 { (1 - n as isize) * inc as isize } else { 0 }
 }

@@ -74,7 +74,7 @@ pub(crate) unsafe fn potrs<T: Real>(
         return;
     }
     // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
-    let (a, mut b) = unsafe { (view(false, a, n, n, lda), view_mut(b, n, nrhs, ldb)) };
+    let (a, mut b) = unsafe { (view(a, n, n, lda), view_mut(b, n, nrhs, ldb)) };
     if uplo == b'U' {
         a.tr_solve_upper_triangular_unchecked_mut(&mut b);
         a.solve_upper_triangular_unchecked_mut(&mut b);
@@ -105,7 +105,7 @@ pub(crate) unsafe fn gesv<T: Real>(
         (4, is_leading(lda, n)),
         (7, is_leading(ldb, n)),
     ]);
-    if *info != 0 {
+    if *info != 0 || n == 0 {
         return;
     }
     // SAFETY: the dimensions were checked, and the caller vouches for the arrays.
@@ -180,7 +180,7 @@ pub(crate) unsafe fn syevr<T: Real>(
         return;
     }
     // SAFETY: the dimensions were checked, and the caller vouches for the array.
-    let lower = lower_triangle(uplo, &unsafe { view(false, a, n, n, lda) });
+    let lower = lower_triangle(uplo, &unsafe { view(a, n, n, lda) });
     let Some(eigen) = symmetric_eigen(lower) else {
         *info = NOT_CONVERGED;
         return;
@@ -298,7 +298,7 @@ unsafe fn svd<T: Real>(
         return 0;
     }
     // SAFETY: the caller vouches for the array.
-    let a = unsafe { view(false, a, m, n, lda) }.into_owned();
+    let a = unsafe { view(a, m, n, lda) }.into_owned();
     let Some(svd) = is_finite(&a).then(|| Svd::new(a)).flatten() else {
         return NOT_CONVERGED;
     };
@@ -322,24 +322,26 @@ fn cholesky<T: Real>(lower: DMatrix<T>) -> Option<DMatrix<T>> {
 }
 
 /// The eigenvalues and vectors, in no order, of the matrix whose lower triangle is given.
+///
+/// The spectrum is shifted to one side of zero for the iteration. nalgebra drops what couples two
+/// diagonal elements once it is small beside them; were both about zero it would go on with
+/// elements whose squares underflow, and its rotations would not be orthogonal.
 fn symmetric_eigen<T: Real>(mut lower: DMatrix<T>) -> Option<SymmetricEigen<T, Dyn>> {
     if !is_finite(&lower) {
         return None;
     }
-    // The squares of elements this small may underflow in nalgebra's rotations, which would then
-    // not be orthogonal; they count for less than a rounding error.
-    let eps = T::default_epsilon();
-    let negligible = eps * eps * lower.amax();
-    for j in 0..lower.ncols() {
-        for value in lower.view_range_mut(j + 1.., j).iter_mut() {
-            if value.abs() < negligible {
-                *value = T::zero();
-            }
-        }
+    let largest = lower.amax();
+    let scale = if largest.is_zero() { T::one() } else { largest };
+    lower.unscale_mut(scale);
+    let two: T = nalgebra::convert(2.0);
+    let shift = (two * lower.norm_squared()).sqrt(); // not below the norm of the whole matrix
+    for i in 0..lower.nrows() {
+        lower[(i, i)] += shift;
     }
     let sweeps = SWEEPS_PER_VALUE * lower.nrows();
-    SymmetricEigen::try_new(lower, eps, sweeps)
-        .filter(|eigen| eigen.eigenvalues.iter().all(|value| value.is_finite()))
+    let mut eigen = SymmetricEigen::try_new(lower, T::default_epsilon(), sweeps)?;
+    eigen.eigenvalues.apply(|value| *value = (*value - shift) * scale);
+    Some(eigen)
 }
 
 fn is_finite<T: Real>(a: &DMatrix<T>) -> bool {

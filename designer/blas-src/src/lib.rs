@@ -1,9 +1,9 @@
-//! The BLAS and LAPACK symbols that clarabel's semidefinite cones call, served by nalgebra.
+//! The BLAS and LAPACK symbols that clarabel's semidefinite cones call, in Rust alone.
 //!
 //! clarabel multiplies and factors its dense matrices through 22 Fortran symbols. The packages
 //! that usually provide them compile or download a large foreign library; this one takes their
-//! place by `[patch.crates-io]` and needs nothing but Rust. It is the binary interface: the
-//! products and factorisations are nalgebra's, except for the singular value decomposition.
+//! place by `[patch.crates-io]`. It is the binary interface: the products are matrixmultiply's,
+//! the factorisations nalgebra's; only the singular value decomposition is written here.
 //!
 //! # Conventions
 //! - Arguments, storage (column-major, leading dimensions, named triangles) and INFO codes are

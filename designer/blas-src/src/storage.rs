@@ -1,39 +1,61 @@
 //! The caller's arrays as nalgebra's views, and the rules their arguments obey.
 //!
 //! A view touches only the elements that belong to its matrix: what lies between the columns may
-//! be another matrix of the caller's.
+//! be another matrix of the caller's. Elements of a column are neighbours in every view: nalgebra
+//! 0.35 oversteps the end of columns with gaps (its issue 1616).
 
 use std::cmp::Ordering;
 use std::ops::Range;
 
 use nalgebra::{
-    DMatrix, DVector, Dyn, MatrixView, MatrixViewMut, RealField, ViewStorage, ViewStorageMut,
+    Const, DMatrix, DVector, Dyn, MatrixView, MatrixViewMut, RealField, ViewStorage, ViewStorageMut,
 };
 
-/// A real number that is passed by value: `f32` or `f64`.
-pub(crate) trait Real: RealField + Copy {}
-impl<T: RealField + Copy> Real for T {}
+/// C := alpha A B + beta C with any strides: `matrixmultiply`'s kernel for one precision.
+pub(crate) type Multiply<T> = unsafe fn(
+    usize,
+    usize,
+    usize,
+    T,
+    *const T,
+    isize,
+    isize,
+    *const T,
+    isize,
+    isize,
+    T,
+    *mut T,
+    isize,
+    isize,
+);
 
-pub(crate) type View<'a, T> = MatrixView<'a, T, Dyn, Dyn, Dyn, Dyn>;
-pub(crate) type ViewMut<'a, T> = MatrixViewMut<'a, T, Dyn, Dyn, Dyn, Dyn>;
+/// `f32` or `f64`.
+pub(crate) trait Real: RealField + Copy {
+    const MULTIPLY: Multiply<Self>;
+}
 
-/// op(A) of `rows` x `cols`: A as it is stored, by columns `ld` apart, or its transpose.
+impl Real for f32 {
+    const MULTIPLY: Multiply<f32> = matrixmultiply::sgemm;
+}
+
+impl Real for f64 {
+    const MULTIPLY: Multiply<f64> = matrixmultiply::dgemm;
+}
+
+pub(crate) type View<'a, T> = MatrixView<'a, T, Dyn, Dyn, Const<1>, Dyn>;
+pub(crate) type ViewMut<'a, T> = MatrixViewMut<'a, T, Dyn, Dyn, Const<1>, Dyn>;
+
+/// The matrix of `rows` x `cols` stored by columns `ld` apart.
 ///
 /// # Safety
 /// `rows`, `cols` and `ld` are not negative, and the elements are valid for reads and are not
 /// written during the lifetime of the view.
-pub(crate) unsafe fn view<'a, T: Real>(
-    transposed: bool,
-    a: *const T,
-    rows: i32,
-    cols: i32,
-    ld: i32,
-) -> View<'a, T> {
+pub(crate) unsafe fn view<'a, T: Real>(a: *const T, rows: i32, cols: i32, ld: i32) -> View<'a, T> {
     let shape = (Dyn(rows as usize), Dyn(cols as usize));
-    let (down, right) = if transposed { (ld, 1) } else { (1, ld) };
-    let strides = (Dyn(down as usize), Dyn(right as usize));
     // SAFETY: the caller vouches for the elements that shape and strides reach.
-    View::from_data(unsafe { ViewStorage::from_raw_parts(a, shape, strides) })
+    View::from_data(unsafe {
+        ViewStorage::from_raw_parts(a, shape, (Const::<1>, Dyn(ld as usize)))
+    })
 }
 
 /// The matrix of `rows` x `cols` stored by columns `ld` apart, to read and write.
@@ -48,9 +70,10 @@ pub(crate) unsafe fn view_mut<'a, T: Real>(
     ld: i32,
 ) -> ViewMut<'a, T> {
     let shape = (Dyn(rows as usize), Dyn(cols as usize));
-    let strides = (Dyn(1), Dyn(ld as usize));
     // SAFETY: the caller vouches for the elements that shape and strides reach.
-    ViewMut::from_data(unsafe { ViewStorageMut::from_raw_parts(a, shape, strides) })
+    ViewMut::from_data(unsafe {
+        ViewStorageMut::from_raw_parts(a, shape, (Const::<1>, Dyn(ld as usize)))
+    })
 }
 
 /// Whether `ld` may separate the columns of a matrix of `rows` rows.
