@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(bytes, archive.clone().to_bytes().unwrap());
 
         let mut zip = zip::ZipArchive::new(Cursor::new(&bytes)).unwrap();
-        let names: Vec<_> = zip.file_names().map(String::from).collect();
+        let names: Vec<_> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
         assert_eq!(names, ["modelDescription.xml", "binaries/a.so", "resources/b.txt"]);
         for index in 0..zip.len() {
             let entry = zip.by_index_raw(index).unwrap();

@@ -83,7 +83,9 @@ impl From<crate::scenario::ScenarioError> for Failure {
     fn from(error: crate::scenario::ScenarioError) -> Self {
         use crate::scenario::ScenarioError;
         let help = match &error {
-            ScenarioError::Read { .. } => "check the path; without --scenario the paper's is driven",
+            ScenarioError::Read { .. } => {
+                "check the path; without --scenario the paper's is driven"
+            }
             _ => "`steerguard simulate --print-scenario` shows every key with its default",
         };
         Self::bad(&error).help(help)

@@ -1,6 +1,19 @@
 //! From a design to FMUs, and from FMUs to a detected fault.
 
 pub mod archive;
+pub mod bake;
+pub mod cli;
+pub mod cosimulation;
+pub mod detection;
+pub mod documentation;
+pub mod failure;
+pub mod importer;
 pub mod output;
+pub mod package;
 pub mod platform;
+pub mod plot;
+pub mod report;
+pub mod runtime;
 pub mod scenario;
+pub mod simulation;
+pub mod table;

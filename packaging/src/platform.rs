@@ -57,9 +57,7 @@ impl Platform {
         let (format, architectures): (_, &[_]) = match self {
             Self::Linux64 => (BinaryFormat::Elf, &[Architecture::X86_64]),
             Self::Win64 => (BinaryFormat::Pe, &[Architecture::X86_64]),
-            Self::Darwin64 => {
-                (BinaryFormat::MachO, &[Architecture::X86_64, Architecture::Aarch64])
-            }
+            Self::Darwin64 => (BinaryFormat::MachO, &[Architecture::X86_64, Architecture::Aarch64]),
             Self::LinuxAarch64 => (BinaryFormat::Elf, &[Architecture::Aarch64]),
         };
         library.format() == format && architectures.contains(&library.architecture())

@@ -12,7 +12,7 @@ use crate::detection::Detection;
 /// Pixels of the drawing per pixel of the figure: lines are drawn to whole pixels.
 const SCALE: u32 = 4;
 /// Size of one run's panel, figure pixels.
-const PANEL: (u32, u32) = (560, 330);
+const PANEL: (u32, u32) = (560, 350);
 /// Height of the legend, figure pixels.
 const LEGEND: u32 = 34;
 
@@ -113,8 +113,7 @@ fn draw_run(panel: &Area<'_>, run: &Run, detection: &Detection) -> Result<(), Pl
 
     let (low, high) = (-largest(&|k| -degrees(k), 0.0), largest(&degrees, 1e-9));
     let range = 1.15 * low..1.15 * high;
-    let mut chart =
-        axes(&lower, "", end, range.clone(), "fault [deg]", Some("time [s]"))?;
+    let mut chart = axes(&lower, "", end, range.clone(), "fault [deg]", Some("time [s]"))?;
     shade_alarm(&mut chart, run, range)?;
     chart.draw_series(LineSeries::new(series(|s| s.fault.to_degrees()), line(FAULT, 14)))?;
     Ok(())
@@ -126,8 +125,9 @@ fn title(detection: &Detection) -> String {
         (Some(alarm), Some(delay)) => {
             format!("{speed}: alarm at {alarm:.2} s, {delay:.2} s after the fault")
         }
-        _ if detection.fault_onset_s.is_some() => format!("{speed}: no alarm"),
-        _ => speed,
+        _ if detection.fault_onset_s.is_none() => speed,
+        _ if detection.monitored_at_onset => format!("{speed}: no alarm"),
+        _ => format!("{speed}: outside the range of the design, alarm withheld"),
     }
 }
 
@@ -141,10 +141,13 @@ fn axes<'a, 'b>(
 ) -> Result<Chart<'a, 'b>, PlotError> {
     let mut builder = ChartBuilder::on(area);
     builder.margin_left(8 * SCALE).margin_right(16 * SCALE).margin_top(4 * SCALE);
+    if x_label.is_some() {
+        builder.margin_bottom(14 * SCALE);
+    }
     builder.set_label_area_size(LabelAreaPosition::Left, 62 * SCALE);
     builder.set_label_area_size(
         LabelAreaPosition::Bottom,
-        if x_label.is_some() { 40 * SCALE } else { 6 * SCALE },
+        if x_label.is_some() { 34 * SCALE } else { 6 * SCALE },
     );
     if !title.is_empty() {
         builder.caption(title, font(13));

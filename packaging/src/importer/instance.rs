@@ -86,7 +86,14 @@ impl Instance {
                 messages: log.take(),
             });
         }
-        Ok(Self { name: name.to_owned(), component, broken: Cell::new(false), log, _callbacks: callbacks, library })
+        Ok(Self {
+            name: name.to_owned(),
+            component,
+            broken: Cell::new(false),
+            log,
+            _callbacks: callbacks,
+            library,
+        })
     }
 
     /// Messages that the FMU logged since they were last taken.

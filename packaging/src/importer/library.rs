@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use steerguard_fmi2::types::functions;
+use tempfile::TempDir;
 
 macro_rules! library {
     ($($field:ident: $function:ident,)+) => {
@@ -11,11 +12,13 @@ macro_rules! library {
             $(pub(super) $field: functions::$function,)+
             /// Keeps the code mapped for as long as the pointers above live.
             _code: libloading::Library,
+            /// The unpacked FMU, removed after the code is unmapped.
+            _folder: TempDir,
         }
 
         impl Library {
-            /// Loads the library at `path` and looks up its functions.
-            pub(super) fn load(path: &Path) -> Result<Self, libloading::Error> {
+            /// Loads the library at `path`, inside `folder`, and looks up its functions.
+            pub(super) fn load(path: &Path, folder: TempDir) -> Result<Self, libloading::Error> {
                 // SAFETY: loading runs the library's initialisers. An FMU is code that the user
                 // chose to run; nothing in this process relies on what initialisers may change.
                 let code = unsafe { libloading::Library::new(path)? };
@@ -25,14 +28,13 @@ macro_rules! library {
                         *code.get::<functions::$function>(stringify!($function))?
                     };
                 )+
-                Ok(Self { $($field,)+ _code: code })
+                Ok(Self { $($field,)+ _code: code, _folder: folder })
             }
         }
     };
 }
 
 library! {
-    get_version: fmi2GetVersion,
     instantiate: fmi2Instantiate,
     free_instance: fmi2FreeInstance,
     setup_experiment: fmi2SetupExperiment,

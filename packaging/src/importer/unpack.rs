@@ -36,7 +36,7 @@ pub enum UnpackError {
 ///
 /// # Errors
 /// [`UnpackError`]; `folder` may then hold a part of the archive.
-pub fn unpack(path: &Path, folder: &Path) -> Result<(), UnpackError> {
+pub(super) fn unpack(path: &Path, folder: &Path) -> Result<(), UnpackError> {
     let mut archive = ZipArchive::new(fs::File::open(path)?)?;
     if archive.len() > MAX_ENTRIES {
         return Err(UnpackError::TooManyEntries(archive.len()));
@@ -44,7 +44,7 @@ pub fn unpack(path: &Path, folder: &Path) -> Result<(), UnpackError> {
     let mut left = MAX_UNPACKED_BYTES;
     for index in 0..archive.len() {
         let mut entry = archive.by_index(index)?;
-        let name = entry.name().to_owned();
+        let name = entry.name()?.into_owned();
         if !is_safe(&name) || entry.is_symlink() {
             return Err(UnpackError::UnsafeEntry(name));
         }
@@ -65,7 +65,7 @@ pub fn unpack(path: &Path, folder: &Path) -> Result<(), UnpackError> {
 }
 
 /// Whether an entry name is relative and stays inside, on every operating system.
-fn is_safe(name: &str) -> bool {
+pub(super) fn is_safe(name: &str) -> bool {
     !name.is_empty()
         && !name.contains(['\\', ':', '\0'])
         && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))

@@ -1,0 +1,106 @@
+//! FMUs from a design: description, baked libraries, documentation, icon, licences.
+
+use std::io;
+
+use steerguard_fmi2::Model;
+use steerguard_fmu::{BakedDesign, DesignError, DetectorModel};
+use steerguard_model_description::{DefaultExperiment, VariableSet, xml};
+use steerguard_plant::PlantModel;
+
+use crate::archive::Archive;
+use crate::bake::{BakeError, bake};
+use crate::documentation;
+use crate::platform::Platform;
+use crate::runtime::Runtimes;
+
+/// Length of the run that the FMUs propose, s: the scenario of the paper's Fig. 1.
+const STOP_TIME_S: f64 = 20.0;
+
+/// Communication step that the plant proposes, s.
+const PLANT_STEP_S: f64 = 0.01;
+
+/// Licence texts by file name under `documentation/licenses/`.
+const LICENCES: [(&str, &str); 4] = [
+    ("LICENSE-APACHE", include_str!("../../LICENSE-APACHE")),
+    ("LICENSE-MIT", include_str!("../../LICENSE-MIT")),
+    ("crc.txt", include_str!("../assets/licenses/crc.txt")),
+    ("libm.txt", include_str!("../assets/licenses/libm.txt")),
+];
+
+const ICON: &[u8] = include_bytes!("../assets/model.png");
+
+/// Why an FMU cannot be packaged.
+#[derive(Debug, thiserror::Error)]
+pub enum PackageError {
+    /// The numbers of the design are of no use to the detector.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// The model refuses what is to be baked in.
+    #[error("{0}")]
+    Model(&'static str),
+    /// A library does not take the design.
+    #[error("library for {}: {source}", platform.folder())]
+    Library {
+        /// Its platform.
+        platform: Platform,
+        /// Why.
+        source: BakeError,
+    },
+    /// There is no library at all.
+    #[error("no library for any platform: this command has none for its own machine")]
+    NoLibrary,
+    /// Description or archive cannot be written.
+    #[error(transparent)]
+    Write(#[from] io::Error),
+}
+
+/// The bytes of `SteeringFaultDetector.fmu` with `design` in it: the same for the same arguments.
+///
+/// # Errors
+/// [`PackageError`].
+pub fn detector_fmu(design: &BakedDesign, runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
+    let page = documentation::detector(
+        &DetectorModel::INFO,
+        <DetectorModel as Model>::Variable::TABLE,
+        design,
+    );
+    let step_s = design.configuration.model.sampling_period_s;
+    fmu::<DetectorModel>(&design.encode()?, step_s, page, runtimes)
+}
+
+/// The bytes of `VehiclePlant.fmu`.
+///
+/// # Errors
+/// [`PackageError`].
+pub fn plant_fmu(runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
+    let page = documentation::plant(&PlantModel::INFO, <PlantModel as Model>::Variable::TABLE);
+    fmu::<PlantModel>(&[], PLANT_STEP_S, page, runtimes)
+}
+
+fn fmu<M: Model>(
+    payload: &[u8],
+    step_size: f64,
+    page: String,
+    runtimes: &Runtimes,
+) -> Result<Vec<u8>, PackageError> {
+    if runtimes.0.is_empty() {
+        return Err(PackageError::NoLibrary);
+    }
+    let fresh = M::new(payload).map_err(PackageError::Model)?;
+    let experiment = DefaultExperiment { start_time: 0.0, stop_time: STOP_TIME_S, step_size };
+    let described = xml::describe(&M::INFO, |variable| fresh.get(variable), &experiment)?;
+
+    let mut archive = Archive::new(described.xml);
+    for (&platform, library) in &runtimes.0 {
+        let mut library = library.clone();
+        bake(&mut library, platform, &described.guid, payload)
+            .map_err(|source| PackageError::Library { platform, source })?;
+        archive.insert(platform.library_path(M::INFO.identifier), library);
+    }
+    archive.insert("documentation/index.html", page);
+    archive.insert("model.png", ICON);
+    for (name, text) in LICENCES {
+        archive.insert(format!("documentation/licenses/{name}"), text);
+    }
+    archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
+}

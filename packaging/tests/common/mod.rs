@@ -1,0 +1,47 @@
+//! A design that needs no solver: a stable observer without E, for tests of everything around it.
+
+use steerguard_detector::{
+    Configuration, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
+};
+use steerguard_fmu::BakedDesign;
+
+pub fn design() -> BakedDesign {
+    let model = TsModel {
+        vehicle: Vehicle::PAPER,
+        sampling_period_s: 0.01,
+        range: OperatingRange {
+            v_x: Interval::new(5.0, 30.0),
+            v_y: Interval::new(-1.5, 1.5),
+            r: Interval::new(-0.55, 0.55),
+        },
+    };
+    // N_i keeps the lateral dynamics and contracts the measured states.
+    let contraction = 0.5;
+    let gains = Gains {
+        n: model.vertices().map(|a| {
+            [[contraction, a[0][1], 0.0], [0.0, a[1][1], 0.0], [0.0, a[2][1], contraction]]
+        }),
+        l: [[[1.0 - contraction, 0.0], [0.0, 0.0], [0.0, 1.0 - contraction]]; 4],
+        m: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        e: [[0.0; 2]; 3],
+    };
+    BakedDesign {
+        hash: *b"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef",
+        beta: 0.3,
+        gamma: 0.01,
+        gap: 30.0,
+        configuration: Configuration {
+            model,
+            hysteresis: [0.5, 0.25, 0.05],
+            gains,
+            evaluation: Evaluation {
+                window: 40,
+                weights: [1.0, 1.0],
+                threshold: 5e-3,
+                start_up_amplitude: 0.02,
+                start_up_decay: 0.97,
+                debounce_samples: 1,
+            },
+        },
+    }
+}
