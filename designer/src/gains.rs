@@ -30,7 +30,12 @@ impl ObserverGains {
         let n: [_; RULES] = std::array::from_fn(|i| &m * &a[i] - &h[i] * &c); // (35)
         let l: [_; RULES] = std::array::from_fn(|i| &h[i] - &n[i] * &e); // (34), corrected
         Some(Self {
-            gains: Gains { n: n.map(|n| rows(&n)), l: l.map(|l| rows(&l)), m: rows(&m), e: rows(&e) },
+            gains: Gains {
+                n: n.map(|n| rows(&n)),
+                l: l.map(|l| rows(&l)),
+                m: rows(&m),
+                e: rows(&e),
+            },
             h: h.map(|h| rows(&h)),
         })
     }

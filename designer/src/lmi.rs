@@ -378,12 +378,7 @@ mod tests {
     fn contradicting_inequalities_are_infeasible() {
         let mut variables = Variables::default();
         let t = variables.scalar();
-        let solution = minimise(
-            &variables,
-            &t,
-            &[&t - &Affine::number(1.0), -&t],
-        )
-        .unwrap();
+        let solution = minimise(&variables, &t, &[&t - &Affine::number(1.0), -&t]).unwrap();
         assert_eq!(solution.status, SolverStatus::PrimalInfeasible);
         assert!(!solution.is_candidate());
     }

@@ -169,14 +169,20 @@ impl Theorem4 {
     pub fn beta_bound(&self) -> f64 {
         let sensitivity = (&self.c * self.v.transpose()).singular_values().min();
         // |alpha + exp(jw)|^2 = alpha^2 + 2 alpha cos(w) + 1 is monotonic over the band.
-        let largest = self.fault_band.limits().map(|w| {
-            (self.alpha_f * self.alpha_f + 2.0 * self.alpha_f * w.cos() + 1.0).sqrt()
-        });
+        let largest = self
+            .fault_band
+            .limits()
+            .map(|w| (self.alpha_f * self.alpha_f + 2.0 * self.alpha_f * w.cos() + 1.0).sqrt());
         sensitivity / largest[0].max(largest[1])
     }
 
     /// All that the conditions are made of, with R, S, W_i, P and Q as decision variables.
-    pub fn unknowns(&self, gamma_squared: Affine, beta_squared: Affine, v: &mut Variables) -> Unknowns {
+    pub fn unknowns(
+        &self,
+        gamma_squared: Affine,
+        beta_squared: Affine,
+        v: &mut Variables,
+    ) -> Unknowns {
         let r = v.full(3, 3);
         let s = v.full(3, 2);
         let w: [Affine; RULES] = std::array::from_fn(|_| v.full(3, 2));
@@ -221,11 +227,8 @@ impl Theorem4 {
     /// (32) of every rule, successor and vertex of rho, and `Q_f > 0`.
     pub fn fault_sensitivity(&self, x: &Quantities) -> Vec<Affine> {
         let n_f = self.f.ncols();
-        let y = stack(&[
-            &(Matrix::identity(3, 3) * self.alpha_f),
-            &self.v,
-            &Matrix::identity(3, 3),
-        ]);
+        let y =
+            stack(&[&(Matrix::identity(3, 3) * self.alpha_f), &self.v, &Matrix::identity(3, 3)]);
         let residual = Affine::from(self.c.transpose() * &self.c);
         let quadratic = diagonal(&-&residual, &x.beta_squared.times_identity(n_f));
         let mut inequalities = vec![x.q_f.clone()];
@@ -297,7 +300,7 @@ pub fn g_rho(model: &TsModel, rho: f64) -> Matrix {
 }
 
 /// Visits every rule i, successor k and vertex j of rho.
-fn for_all(mut visit: impl FnMut(usize, usize, usize)) {
+pub(crate) fn for_all(mut visit: impl FnMut(usize, usize, usize)) {
     for i in 0..RULES {
         for k in 0..RULES {
             for j in 0..VERTICES_OF_RHO {

@@ -1,0 +1,243 @@
+//! Threshold kind "calibrated": the largest level of J over simulated fault-free drives.
+//!
+//! The nonlinear vehicle (1)-(2), integrated by Runge-Kutta steps of at most 1 ms, drives a detector
+//! with the gains under design. The level of a sample is J minus the threshold's start-up term, and
+//! counts while the detector monitors. What it measures is, first of all, how far the vehicle in
+//! continuous time departs from the detector's Euler steps, which grows with the steering rate and
+//! is largest at the lowest speed.
+//!
+//! # Conventions
+//! Inputs are held from sample to sample, the disturbances for an integration step. The drive torque
+//! is that of a speed control: cruise torque and I_e times the speed error a second.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::{
+    Configuration, ConfigurationError, Detector, Monitor, Vehicle, VehicleState, rk4,
+};
+
+use crate::spec::{Manoeuvre, Spec};
+
+/// Longest integration step, s.
+const INTEGRATION_STEP_S: f64 = 1e-3;
+/// When the manoeuvres that are not periodic begin, s.
+const MANOEUVRE_START_S: f64 = 1.0;
+
+/// One fault-free drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    /// Initial speed, held by the drive torque.
+    pub v_x_m_per_s: f64,
+    /// Initial lateral speed.
+    pub v_y_m_per_s: f64,
+    /// Course of the steering.
+    pub manoeuvre: Manoeuvre,
+    /// Steady-state lateral acceleration that the steering amplitude corresponds to.
+    pub lateral_acceleration_m_per_s2: f64,
+    /// Frequency of the disturbances.
+    pub disturbance_hz: f64,
+    /// Their phase at the start.
+    pub disturbance_phase_rad: f64,
+    /// Their signs.
+    pub disturbance_signs: Vec<f64>,
+}
+
+/// The largest level, and where it was met.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Level {
+    /// Largest J minus start-up term.
+    pub level: f64,
+    /// The drive that gave it.
+    pub worst: Drive,
+    /// Number of drives.
+    pub drives: usize,
+    /// Share of the samples at which the detector monitored.
+    pub monitored: f64,
+}
+
+/// All drives that the specification asks for, in a fixed order.
+pub fn drives(spec: &Spec) -> Vec<Drive> {
+    let c = &spec.evaluation.calibration;
+    let armed = spec.operating_range.range().shrunk(spec.operating_range.hysteresis()).v_x;
+    let nyquist_hz = 0.5 / spec.sampling.period_s;
+    let [from_hz, to_hz] = spec.disturbance.first().map_or([0.0, nyquist_hz], |d| d.band_hz());
+    let further = spec.disturbance.len().saturating_sub(1) as u32;
+
+    let mut drives = Vec::new();
+    for v_x in spread(armed.min, armed.max, c.speeds) {
+        for &manoeuvre in &c.manoeuvres {
+            let amplitudes = match manoeuvre {
+                Manoeuvre::Straight => &[0.0][..],
+                _ => &c.lateral_acceleration_m_per_s2,
+            };
+            for &a_y in amplitudes {
+                for hz in spread(from_hz, to_hz, c.disturbance_frequencies) {
+                    for phase in 0..c.disturbance_phases {
+                        for signs in 0..1_u32 << further {
+                            for &v_y in &c.initial_v_y_m_per_s {
+                                drives.push(Drive {
+                                    v_x_m_per_s: v_x,
+                                    v_y_m_per_s: v_y,
+                                    manoeuvre,
+                                    lateral_acceleration_m_per_s2: a_y,
+                                    disturbance_hz: hz,
+                                    disturbance_phase_rad: TAU * phase as f64
+                                        / c.disturbance_phases as f64,
+                                    disturbance_signs: (0..=further)
+                                        .map(|j| if signs << 1 >> j & 1 == 0 { 1.0 } else { -1.0 })
+                                        .collect(),
+                                });
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    drives
+}
+
+/// `count` values evenly spread from `min` to `max`; `min` alone for one.
+fn spread(min: f64, max: f64, count: usize) -> impl Iterator<Item = f64> {
+    let step = if count > 1 { (max - min) / (count - 1) as f64 } else { 0.0 };
+    (0..count).map(move |k| min + step * k as f64)
+}
+
+/// Runs `drives` on all processors and returns the largest level; `progress` hears how many are
+/// done. The result does not depend on the number of processors. None without a monitored sample.
+///
+/// # Errors
+/// [`ConfigurationError`] where the detector cannot run with `configuration`.
+pub fn calibrate(
+    spec: &Spec,
+    configuration: &Configuration,
+    drives: &[Drive],
+    progress: &mut dyn FnMut(usize),
+) -> Result<Option<Level>, ConfigurationError> {
+    let detector = Detector::new(configuration)?;
+    let next = AtomicUsize::new(0);
+    let workers = thread::available_parallelism().map_or(1, usize::from);
+    let (sender, results) = mpsc::channel();
+
+    let mut largest: Option<(f64, usize)> = None;
+    let (mut monitored, mut samples) = (0, 0);
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            let (next, sender) = (&next, sender.clone());
+            scope.spawn(move || {
+                while let index = next.fetch_add(1, Ordering::Relaxed)
+                    && let Some(drive) = drives.get(index)
+                {
+                    // The receiver outlives the workers.
+                    let _ = sender.send((index, run(spec, detector, drive)));
+                }
+            });
+        }
+        drop(sender);
+        for (done, (index, outcome)) in results.iter().enumerate() {
+            monitored += outcome.monitored;
+            samples += outcome.samples;
+            if let Some(level) = outcome.level {
+                // Of equal levels the first drive's: the order of completion does not matter.
+                let replaces = largest.is_none_or(|(largest, first)| {
+                    level > largest || (level == largest && index < first)
+                });
+                if replaces {
+                    largest = Some((level, index));
+                }
+            }
+            progress(done + 1);
+        }
+    });
+    Ok(largest.and_then(|(level, index)| {
+        Some(Level {
+            level,
+            worst: drives.get(index)?.clone(),
+            drives: drives.len(),
+            monitored: monitored as f64 / samples as f64,
+        })
+    }))
+}
+
+/// What one drive gave.
+struct Outcome {
+    /// Largest J minus start-up term at a monitored sample.
+    level: Option<f64>,
+    monitored: u64,
+    samples: u64,
+}
+
+/// Simulates one drive.
+fn run(spec: &Spec, mut detector: Detector, drive: &Drive) -> Outcome {
+    let vehicle = &spec.vehicle;
+    let t_s = spec.sampling.period_s;
+    let steps = (t_s / INTEGRATION_STEP_S).ceil().max(1.0);
+    let step = t_s / steps;
+    let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
+    let steady_threshold = detector.state.output.j_th;
+
+    let mut x = [drive.v_x_m_per_s, drive.v_y_m_per_s, 0.0];
+    let mut outcome = Outcome { level: None, monitored: 0, samples };
+    for k in 0..samples {
+        let t = k as f64 * t_s;
+        let t_eng = vehicle.cruise_torque(drive.v_x_m_per_s)
+            + vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
+        let delta = steering(spec, drive, t);
+
+        let output = detector.sample([x[0], x[2]], [t_eng, delta]);
+        if output.monitor == Monitor::Monitoring {
+            outcome.monitored += 1;
+            let start_up_term = output.j_th - steady_threshold;
+            let level = output.j_rms - start_up_term;
+            outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
+        }
+        for inner in 0..steps as u32 {
+            let push = disturbance(spec, drive, t + f64::from(inner) * step);
+            x = rk4(|x| plus(vehicle.derivative(x, [t_eng, delta]), push), x, step);
+        }
+    }
+    outcome
+}
+
+fn plus(a: VehicleState, b: VehicleState) -> VehicleState {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Effect of the disturbances on the state's derivative at time `t`, every one at its bound.
+fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> VehicleState {
+    let wave = (TAU * drive.disturbance_hz * t + drive.disturbance_phase_rad).cos();
+    let channels = spec.disturbance.iter().zip(&drive.disturbance_signs);
+    channels.fold([0.0; 3], |sum, (disturbance, sign)| {
+        let amplitude = sign * disturbance.bound() * wave;
+        plus(sum, disturbance.direction(&spec.vehicle).map(|x| amplitude * x))
+    })
+}
+
+/// Road-wheel angle at time `t`, rad.
+fn steering(spec: &Spec, drive: &Drive, t: f64) -> f64 {
+    let rate = spec.evaluation.calibration.steering_rate_rad_per_s;
+    let full = angle(&spec.vehicle, drive.v_x_m_per_s, drive.lateral_acceleration_m_per_s2);
+    let sine = |omega: f64, t: f64| full.min(rate / omega) * (omega * t).sin();
+    let since = t - MANOEUVRE_START_S;
+    match drive.manoeuvre {
+        Manoeuvre::Straight => 0.0,
+        Manoeuvre::Sine => sine(0.5, t),
+        Manoeuvre::Weave => sine(TAU * 0.2, t),
+        Manoeuvre::StepSteer => (rate * since).clamp(0.0, full),
+        Manoeuvre::LaneChange => sine(PI, since.clamp(0.0, 2.0)),
+    }
+}
+
+/// Road-wheel angle of a steady turn at speed `v_x` and lateral acceleration `a_y`, rad.
+fn angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
+    let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
+    let (c_f, c_r) =
+        (vehicle.front_cornering_stiffness_n_per_rad, vehicle.rear_cornering_stiffness_n_per_rad);
+    let wheelbase = l_f + l_r;
+    let understeer = vehicle.mass_kg * (c_r * l_r - c_f * l_f) / (2.0 * c_f * c_r * wheelbase);
+    (a_y * (wheelbase / (v_x * v_x) + understeer)).abs()
+}

@@ -1,0 +1,131 @@
+//! The check of a design: every inequality evaluated again from the gains as the detector holds
+//! them, apart from the solver.
+//!
+//! # Conventions
+//! Eigenvalues are computed in double precision, so each margin is held against the rounding that
+//! its evaluation can have caused. Exact arithmetic is a further step that needs the same data.
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::RULES;
+
+use crate::gains::ObserverGains;
+use crate::lmi::{Affine, Matrix, smallest_eigenvalue};
+use crate::synthesis::Lyapunov;
+use crate::theorem4::{Quantities, Theorem4, Units, VERTICES_OF_RHO, matrix};
+
+/// Largest error accepted in the observer equation (13).
+pub const OBSERVER_EQUATION_TOLERANCE: f64 = 1e-10;
+
+/// The smallest eigenvalue of a family of matrices that shall all be positive definite.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Margin {
+    /// Smallest eigenvalue found.
+    pub smallest_eigenvalue: f64,
+    /// What rounding can have changed it by.
+    pub rounding_allowance: f64,
+}
+
+impl Margin {
+    /// Whether all matrices are positive definite, rounding considered.
+    pub fn holds(&self) -> bool {
+        self.smallest_eigenvalue > self.rounding_allowance
+    }
+
+    /// The margin of `matrices`, made of factors and terms no larger than `magnitude`.
+    ///
+    /// Each element is a sum of some tens of products, and the eigenvalues of a matrix of order up
+    /// to ten move by no more than their errors' norm: together below 1000 units of rounding.
+    pub fn of(matrices: &[Affine], magnitude: f64) -> Self {
+        let eigenvalues = matrices.iter().map(|x| smallest_eigenvalue(x.value()));
+        Self {
+            smallest_eigenvalue: eigenvalues.fold(f64::INFINITY, f64::min),
+            rounding_allowance: 1000.0 * f64::EPSILON * magnitude,
+        }
+    }
+}
+
+/// Result of the check of (13) and (31)-(33).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Largest element of `M A_i - N_i M - L_i C` (13).
+    pub observer_equation_error: f64,
+    /// (31), in units of gamma.
+    pub disturbance_attenuation: Margin,
+    /// (32), in units of beta.
+    pub fault_sensitivity: Margin,
+    /// (33).
+    pub stability: Margin,
+}
+
+impl Check {
+    /// Whether everything holds.
+    pub fn holds(&self) -> bool {
+        self.observer_equation_error < OBSERVER_EQUATION_TOLERANCE
+            && self.disturbance_attenuation.holds()
+            && self.fault_sensitivity.holds()
+            && self.stability.holds()
+    }
+}
+
+/// `N_i(rho) = N_i + M G rho` by rule and vertex of rho: `e+ = N_i(rho) e`.
+pub type ErrorDynamics = [[Matrix; VERTICES_OF_RHO]; RULES];
+
+/// The error dynamics of gains as the detector holds them.
+pub fn error_dynamics(theorem: &Theorem4, gains: &ObserverGains) -> ErrorDynamics {
+    let m = matrix(&gains.gains.m);
+    gains.gains.n.map(|n| theorem.g_rho.each_ref().map(|g_rho| matrix(&n) + &m * g_rho))
+}
+
+/// Evaluates (13) and (31)-(33) for given numbers.
+///
+/// The matrices of (31) and (32) are taken in units of gamma and beta: a congruence, after which
+/// every block is of magnitude one.
+pub fn check(
+    theorem: &Theorem4,
+    gains: &ObserverGains,
+    lyapunov: &Lyapunov,
+    gamma: f64,
+    beta: f64,
+) -> Check {
+    let dynamics = error_dynamics(theorem, gains);
+    let theorem = theorem.in_units(Units { gamma, beta });
+    let m = matrix(&gains.gains.m);
+    let Lyapunov { p_s, p_d, p_f, q_d, q_f, r } = lyapunov;
+    let constant = |x: &Matrix| Affine::from(x.clone());
+    let quantities = Quantities {
+        p_s: p_s.each_ref().map(constant),
+        p_d: p_d.each_ref().map(constant),
+        p_f: p_f.each_ref().map(constant),
+        q_d: constant(q_d),
+        q_f: constant(q_f),
+        r: constant(r),
+        rn: dynamics.each_ref().map(|n| n.each_ref().map(|n| Affine::from(r * n))),
+        rd: Affine::from(r * &m * &theorem.d),
+        rf: Affine::from(r * &m * &theorem.f),
+        gamma_squared: Affine::number(1.0),
+        beta_squared: Affine::number(1.0),
+    };
+
+    let largest = |matrices: &mut dyn Iterator<Item = &Matrix>| {
+        matrices.map(Matrix::norm).fold(0.0, f64::max)
+    };
+    let n = largest(&mut dynamics.iter().flatten());
+    let products = |input: &Matrix| r.norm() * (1.0 + n + m.norm() * input.norm());
+    let multiplier = |alpha: f64, v: f64| 2.0 * (2.0 + alpha.abs() + v);
+    let p = |p: &[Matrix], q: &Matrix| 1.0 + 2.0 * largest(&mut p.iter()) + 4.0 * q.norm();
+    Check {
+        observer_equation_error: gains.observer_equation_error(&theorem.a),
+        disturbance_attenuation: Margin::of(
+            &theorem.disturbance_attenuation(&quantities),
+            p(p_d, q_d) + multiplier(theorem.alpha_d, 0.0) * products(&theorem.d),
+        ),
+        fault_sensitivity: Margin::of(
+            &theorem.fault_sensitivity(&quantities),
+            p(p_f, q_f) + multiplier(theorem.alpha_f, theorem.v.norm()) * products(&theorem.f),
+        ),
+        stability: Margin::of(
+            &theorem.stability(&quantities),
+            p(p_s, &Matrix::zeros(1, 1)) + 2.0 * products(&Matrix::zeros(1, 1)),
+        ),
+    }
+}

@@ -1,0 +1,314 @@
+//! From specification to design.
+
+use std::fmt;
+
+use clarabel::solver::SolverStatus;
+use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, TsModel};
+
+use crate::calibration::{Level, calibrate, drives};
+use crate::certificate::{Check, check, error_dynamics};
+use crate::design_file::{
+    Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FrozenRecord, LargestBeta,
+    Performance, Rule, StartUpRecord, SynthesisRecord,
+};
+use crate::frequency::frozen;
+use crate::gains::{ObserverGains, rows};
+use crate::infeasible::{Obstacle, diagnose};
+use crate::lmi::Matrix;
+use crate::spec::Spec;
+use crate::spec_error::SpecError;
+use crate::start_up::{self, spectral_radius};
+use crate::synthesis::{Goal, NoSolution, Synthesis, solve};
+use crate::theorem4::{Band, Theorem4, matrix};
+
+/// The start-up term may be forgotten once below this share of the smallest fault's residual.
+const NEGLIGIBLE: f64 = 0.1;
+/// The solver, for the record.
+const SOLVER: &str = "clarabel 0.11";
+
+/// What the design is busy with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// The largest beta for the given gamma.
+    LargestBeta,
+    /// The smallest gamma near that beta: the gains.
+    SmallestGamma,
+    /// The inequalities for the stored gains.
+    Check,
+    /// Gains at frozen operating points.
+    Frozen,
+    /// The bound on the start-up residual.
+    StartUp,
+    /// Fault-free drives: how many of how many are done.
+    Calibration {
+        /// Drives done.
+        done: usize,
+        /// All drives.
+        of: usize,
+    },
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LargestBeta => write!(f, "maximising beta"),
+            Self::SmallestGamma => write!(f, "minimising gamma"),
+            Self::Check => write!(f, "checking the inequalities"),
+            Self::Frozen => write!(f, "evaluating frozen operating points"),
+            Self::StartUp => write!(f, "bounding the start-up"),
+            Self::Calibration { done, of } => write!(f, "calibrating: drive {done} of {of}"),
+        }
+    }
+}
+
+/// Why there is no design.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// The specification is not possible.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The conditions contradict each other.
+    #[error("the specification is infeasible: {0}")]
+    Infeasible(Obstacle),
+    /// The solver gave up on a problem that has a solution.
+    #[error("the solver gave up on the smallest gamma for beta = {beta}: {reason}")]
+    Solver {
+        /// beta asked for.
+        beta: f64,
+        /// What the solver said.
+        reason: NoSolution,
+    },
+    /// The residual has no bound after a start.
+    #[error(
+        "no decaying bound on the residual after a start was found: lower design.decay or narrow \
+         operating_range.v_y_m_per_s"
+    )]
+    StartUp,
+    /// Nothing to calibrate from.
+    #[error(
+        "the detector monitored no sample of the calibration's drives: every one left the \
+         operating range"
+    )]
+    Calibration,
+    /// The detector refuses the numbers found.
+    #[error(transparent)]
+    Configuration(#[from] ConfigurationError),
+    /// A number that JSON cannot hold.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+}
+
+/// Designs a detector for `spec`; `progress` hears of every step. The same specification gives the
+/// same design, bit for bit.
+///
+/// # Errors
+/// [`DesignError`]: a specification that is refused, infeasible (with the condition that stands in
+/// the way), or one that the numerics cannot master.
+pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
+    spec.check()?;
+    let model = spec.model();
+    let disturbance = spec.disturbance_channel()?;
+    let fault = spec.fault_channel()?;
+    let theorem =
+        Theorem4::new(&model, &disturbance, &fault, &spec.multipliers(), spec.design.decay);
+
+    progress(Step::LargestBeta);
+    let largest = largest_beta(spec, &theorem)?;
+    progress(Step::SmallestGamma);
+    let synthesis = smallest_gamma(spec, &theorem, largest.beta)?;
+    progress(Step::Check);
+    let Synthesis { gains, lyapunov, gamma, beta, .. } = &synthesis;
+    let margins = check(&theorem, gains, lyapunov, *gamma, *beta);
+
+    progress(Step::Frozen);
+    let smallest_fault = spec.fault[0].smallest();
+    let bound = spec.disturbance[0].bound();
+    let frozen = frozen(&model, gains, &disturbance, &fault);
+    let smallest_fault_residual = frozen.beta * smallest_fault;
+    let evaluation = evaluate(spec, &theorem, gains, smallest_fault_residual, progress)?;
+
+    let mut design = Design {
+        format: FORMAT.into(),
+        vehicle: spec.vehicle,
+        sampling_period_s: spec.sampling.period_s,
+        premise: spec.operating_range,
+        vertices: std::array::from_fn(|i| Rule {
+            a: model.vertices()[i],
+            n: gains.gains.n[i],
+            l: gains.gains.l[i],
+            h: gains.h[i],
+        }),
+        b: model.b(),
+        g: model.g_phi().map(|g| [g]),
+        c: C,
+        d: nested(&spec.d()),
+        d_y: None,
+        f: nested(&spec.f()),
+        e: gains.gains.e,
+        m: gains.gains.m,
+        evaluation,
+        synthesis: SynthesisRecord {
+            method: spec.design.method,
+            alpha_d: theorem.alpha_d,
+            alpha_f: theorem.alpha_f,
+            v: nested(&theorem.v),
+            gamma: *gamma,
+            beta: *beta,
+            beta_bound: theorem.beta_bound(),
+            gap: beta * smallest_fault / (gamma * bound),
+            solver: SOLVER.into(),
+            status: status(&margins, synthesis.status),
+            solver_status: format!("{:?}", synthesis.status),
+            iterations: synthesis.iterations,
+            largest_beta: LargestBeta {
+                gamma: largest.gamma,
+                beta: largest.beta,
+                solver_status: format!("{:?}", largest.status),
+                iterations: largest.iterations,
+            },
+        },
+        performance: Performance {
+            limit: None,
+            detection_ratio: None,
+            noise_rms: None,
+            frozen: FrozenRecord::new(frozen, smallest_fault, bound),
+            certified: None,
+            norm: "2-norm of the stacked disturbances, each in proportion to its bound".into(),
+            spectral_radii: gains.gains.n.map(|n| spectral_radius(&matrix(&n))),
+            smallest_fault_residual,
+        },
+        certificate: Certificate {
+            statement: statement(&theorem),
+            p_s: lyapunov.p_s.each_ref().map(rows),
+            p_d: lyapunov.p_d.each_ref().map(rows),
+            p_f: lyapunov.p_f.each_ref().map(rows),
+            q_d: rows(&lyapunov.q_d),
+            q_f: rows(&lyapunov.q_f),
+            r: rows(&lyapunov.r),
+            margins,
+        },
+        spec: spec.clone(),
+        hash: String::new(),
+    };
+    design.configuration().check()?;
+    design.hash = design.computed_hash()?;
+    Ok(design)
+}
+
+/// The paper's problem: the largest beta subject to (31)-(33) with the given gamma.
+fn largest_beta(spec: &Spec, theorem: &Theorem4) -> Result<Synthesis, DesignError> {
+    let gamma = spec.design.gamma;
+    solve(theorem, Goal::LargestBeta { gamma: Some(gamma) })
+        .map_err(|_| DesignError::Infeasible(diagnose(theorem, gamma, spec.design.beta_fraction)))
+}
+
+/// The well-posed problem: the smallest gamma subject to (31)-(33), with beta just inside its bound.
+fn smallest_gamma(
+    spec: &Spec,
+    theorem: &Theorem4,
+    largest_beta: f64,
+) -> Result<Synthesis, DesignError> {
+    let fraction = spec.design.beta_fraction;
+    // A tight gamma keeps beta away from the bound; then the largest beta takes its place.
+    let reached = largest_beta >= fraction * theorem.beta_bound();
+    let beta = fraction * if reached { theorem.beta_bound() } else { largest_beta };
+    solve(theorem, Goal::SmallestGamma { beta: Some(beta) })
+        .map_err(|reason| DesignError::Solver { beta, reason })
+}
+
+/// Start-up bound and threshold.
+fn evaluate(
+    spec: &Spec,
+    theorem: &Theorem4,
+    gains: &ObserverGains,
+    smallest_fault_residual: f64,
+    progress: &mut dyn FnMut(Step),
+) -> Result<EvaluationDesign, DesignError> {
+    progress(Step::StartUp);
+    let e = &spec.evaluation;
+    let without_threshold = Evaluation {
+        window: e.window_samples,
+        weights: e.weights,
+        threshold: 1.0,
+        start_up_amplitude: 0.0,
+        start_up_decay: 0.0,
+        debounce_samples: e.debounce_samples,
+    };
+    let bound = start_up::bound(
+        &error_dynamics(theorem, gains),
+        theorem.decay,
+        &without_threshold,
+        spec.operating_range.range().v_y.magnitude(),
+        NEGLIGIBLE * smallest_fault_residual,
+    )
+    .ok_or(DesignError::StartUp)?;
+
+    let configuration = Configuration {
+        model: TsModel { ..spec.model() },
+        hysteresis: spec.operating_range.hysteresis(),
+        gains: gains.gains,
+        evaluation: Evaluation {
+            start_up_amplitude: bound.amplitude,
+            start_up_decay: bound.decay,
+            ..without_threshold
+        },
+    };
+    let drives = drives(spec);
+    let of = drives.len();
+    progress(Step::Calibration { done: 0, of });
+    let mut count = |done| progress(Step::Calibration { done, of });
+    let calibration: Level =
+        calibrate(spec, &configuration, &drives, &mut count)?.ok_or(DesignError::Calibration)?;
+    Ok(EvaluationDesign {
+        window: e.window_samples,
+        weights: e.weights,
+        threshold: e.margin * calibration.level,
+        kind: e.threshold,
+        margin: e.margin,
+        start_up: StartUpRecord {
+            amplitude: bound.amplitude,
+            decay: bound.decay,
+            p: bound.p.each_ref().map(rows),
+            margin: bound.margin,
+        },
+        debounce_samples: e.debounce_samples,
+        calibration,
+    })
+}
+
+/// Only the check grants "certified".
+fn status(margins: &Check, solver: SolverStatus) -> DesignStatus {
+    match (margins.holds(), solver) {
+        (true, _) => DesignStatus::Certified,
+        (false, SolverStatus::AlmostSolved) => DesignStatus::AlmostSolved,
+        (false, _) => DesignStatus::Uncertified,
+    }
+}
+
+/// What (31)-(33) prove.
+fn statement(theorem: &Theorem4) -> String {
+    let input = |name: &str, band: Band| match band {
+        Band::Low(theta) => format!(
+            "any l2 input {name} whose error e obeys \
+             sum (e+ - e)(e+ - e)' <= 4 sin^2({theta:.6} / 2) sum e e'"
+        ),
+        Band::High(theta) => format!(
+            "any l2 input {name} whose error e obeys \
+             sum (e+ - e)(e+ - e)' >= 4 sin^2({theta:.6} / 2) sum e e'"
+        ),
+        Band::Full => format!("any l2 input {name}"),
+    };
+    format!(
+        "If the margins hold: for x and x^ in S_x and any course of the premise, the error decays \
+         at least like {}^k; with e_0 = 0, ||r|| < gamma ||d|| for {}; ||r|| > beta ||f|| for {}. \
+         Checked in double precision against a stated rounding allowance, not in exact arithmetic.",
+        theorem.decay,
+        input("d", theorem.disturbance_band),
+        input("f", theorem.fault_band),
+    )
+}
+
+/// A matrix as nested rows.
+fn nested(x: &Matrix) -> Vec<Vec<f64>> {
+    x.row_iter().map(|row| row.iter().copied().collect()).collect()
+}

@@ -1,0 +1,764 @@
+//! The specification: vehicle, ranges, faults of interest, disturbances, method and evaluation.
+//!
+//! Read from TOML. Every key has a default, the paper's value where the paper gives one; unknown
+//! keys and impossible values are refused by name. `examples/paper.toml` spells out every key.
+//!
+//! # Conventions
+//! Units stand in the keys. Bands are in Hz, from 0 (low), up to the Nyquist frequency (high), or
+//! both (all frequencies).
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::{Interval, MAX_WINDOW, OperatingRange, TsModel, Vehicle};
+
+use crate::lmi::Matrix;
+use crate::spec_error::{Allowed, SpecError, parse};
+use crate::theorem4::{Band, Channel, Multipliers};
+
+/// Standard acceleration of gravity, m/s^2.
+const GRAVITY: f64 = 9.80665;
+
+/// A specification.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Spec {
+    /// Vehicle data, Table 1 of the paper.
+    #[serde(with = "VehicleTable")]
+    pub vehicle: Vehicle,
+    /// Design range S_x and arming.
+    pub operating_range: OperatingRangeTable,
+    /// Sampling.
+    pub sampling: Sampling,
+    /// Faults of interest; method "paper" takes one.
+    pub fault: Vec<Fault>,
+    /// Disturbances; method "paper" takes those of one band.
+    pub disturbance: Vec<Disturbance>,
+    /// How the gains are found.
+    pub design: Method,
+    /// How the residual is evaluated.
+    pub evaluation: Evaluation,
+}
+
+/// The keys of `[vehicle]`: documented at [`Vehicle`].
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Vehicle", default = "paper_vehicle", deny_unknown_fields)]
+#[allow(missing_docs)]
+pub(crate) struct VehicleTable {
+    mass_kg: f64,
+    yaw_inertia_kg_m2: f64,
+    effective_longitudinal_inertia_kg_m: f64,
+    front_axle_distance_m: f64,
+    rear_axle_distance_m: f64,
+    front_cornering_stiffness_n_per_rad: f64,
+    rear_cornering_stiffness_n_per_rad: f64,
+    longitudinal_drag_n_m_s2_per_m2: f64,
+    lateral_drag_n_s2_per_m2: f64,
+}
+
+fn paper_vehicle() -> Vehicle {
+    Vehicle::PAPER
+}
+
+/// `[operating_range]`: the design range S_x as [min, max]; the detector disarms outside it and arms
+/// inside it shrunk by the hysteresis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OperatingRangeTable {
+    /// Longitudinal speed; default [5, 30].
+    pub v_x_m_per_s: [f64; 2],
+    /// Lateral speed, true and estimated; default [-1.5, 1.5].
+    pub v_y_m_per_s: [f64; 2],
+    /// Yaw rate; default [-0.55, 0.55].
+    pub r_rad_per_s: [f64; 2],
+    /// Arming hysteresis of v_x; default 0.5.
+    pub v_x_hysteresis_m_per_s: f64,
+    /// Arming hysteresis of the estimated v_y; default 0.25.
+    pub v_y_hysteresis_m_per_s: f64,
+    /// Arming hysteresis of r; default 0.05.
+    pub r_hysteresis_rad_per_s: f64,
+}
+
+impl Default for OperatingRangeTable {
+    fn default() -> Self {
+        Self {
+            v_x_m_per_s: [5.0, 30.0],
+            v_y_m_per_s: [-1.5, 1.5],
+            r_rad_per_s: [-0.55, 0.55],
+            v_x_hysteresis_m_per_s: 0.5,
+            v_y_hysteresis_m_per_s: 0.25,
+            r_hysteresis_rad_per_s: 0.05,
+        }
+    }
+}
+
+impl OperatingRangeTable {
+    /// S_x.
+    pub fn range(&self) -> OperatingRange {
+        let interval = |[min, max]: [f64; 2]| Interval::new(min, max);
+        OperatingRange {
+            v_x: interval(self.v_x_m_per_s),
+            v_y: interval(self.v_y_m_per_s),
+            r: interval(self.r_rad_per_s),
+        }
+    }
+
+    /// Arming hysteresis of [v_x, v_y, r].
+    pub fn hysteresis(&self) -> [f64; 3] {
+        [self.v_x_hysteresis_m_per_s, self.v_y_hysteresis_m_per_s, self.r_hysteresis_rad_per_s]
+    }
+}
+
+/// `[sampling]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sampling {
+    /// T_s; default 0.01.
+    pub period_s: f64,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self { period_s: 0.01 }
+    }
+}
+
+/// `[[fault]]`: an additive fault of an actuator.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "channel", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Fault {
+    /// Error of the road-wheel angle.
+    Steering {
+        /// Smallest fault of interest, degrees at the road wheel; default 0.5.
+        #[serde(default = "half_a_degree")]
+        smallest_deg: f64,
+        /// Frequency range; default [0, 1.5].
+        #[serde(default = "low_band")]
+        band_hz: [f64; 2],
+    },
+    /// Error of the drive torque at the wheels.
+    Torque {
+        /// Smallest fault of interest, N m at the wheels.
+        smallest_n_m: f64,
+        /// Frequency range; default [0, 1.5].
+        #[serde(default = "low_band")]
+        band_hz: [f64; 2],
+    },
+}
+
+fn half_a_degree() -> f64 {
+    0.5
+}
+
+fn low_band() -> [f64; 2] {
+    [0.0, 1.5]
+}
+
+impl Fault {
+    /// Column of B, in the order of the input [T_eng, delta].
+    pub fn column(&self) -> usize {
+        match self {
+            Self::Torque { .. } => 0,
+            Self::Steering { .. } => 1,
+        }
+    }
+
+    /// Smallest fault of interest in rad or N m.
+    pub fn smallest(&self) -> f64 {
+        match self {
+            Self::Steering { smallest_deg, .. } => smallest_deg.to_radians(),
+            Self::Torque { smallest_n_m, .. } => *smallest_n_m,
+        }
+    }
+
+    /// Frequency range, Hz.
+    pub fn band_hz(&self) -> [f64; 2] {
+        match self {
+            Self::Steering { band_hz, .. } | Self::Torque { band_hz, .. } => *band_hz,
+        }
+    }
+}
+
+/// `[[disturbance]]`: an unknown input, by its kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Disturbance {
+    /// A lateral specific force that acts ahead of the centre of gravity.
+    SideWind {
+        /// Name in reports.
+        name: String,
+        /// Distance of its line of action ahead of the centre of gravity; default 0.25.
+        #[serde(default = "quarter_of_a_metre")]
+        acting_ahead_m: f64,
+        /// Largest lateral specific force.
+        bound_m_per_s2: f64,
+        /// Frequency range; default [0, 1.5].
+        #[serde(default = "low_band")]
+        band_hz: [f64; 2],
+    },
+    /// Road bank, positive with the left side raised (ISO 8855 roll).
+    Bank {
+        /// Name in reports.
+        name: String,
+        /// Largest bank angle.
+        bound_deg: f64,
+        /// Frequency range; default [0, 1.5].
+        #[serde(default = "low_band")]
+        band_hz: [f64; 2],
+    },
+    /// A moment about the vertical axis.
+    YawMoment {
+        /// Name in reports.
+        name: String,
+        /// Largest moment.
+        bound_n_m: f64,
+        /// Frequency range; default [0, 1.5].
+        #[serde(default = "low_band")]
+        band_hz: [f64; 2],
+    },
+    /// Any other: `x' = ... + direction d`.
+    Direction {
+        /// Name in reports.
+        name: String,
+        /// Change of [v_x, v_y, r] in m/s^2, m/s^2, rad/s^2 per unit of d.
+        direction: [f64; 3],
+        /// Largest |d|.
+        bound: f64,
+        /// Frequency range; default [0, 1.5].
+        #[serde(default = "low_band")]
+        band_hz: [f64; 2],
+    },
+}
+
+fn quarter_of_a_metre() -> f64 {
+    0.25
+}
+
+impl Disturbance {
+    /// Name in reports.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::SideWind { name, .. }
+            | Self::Bank { name, .. }
+            | Self::YawMoment { name, .. }
+            | Self::Direction { name, .. } => name,
+        }
+    }
+
+    /// Change of [v_x, v_y, r] in m/s^2, m/s^2, rad/s^2 per unit of the disturbance.
+    pub fn direction(&self, vehicle: &Vehicle) -> [f64; 3] {
+        match self {
+            Self::SideWind { acting_ahead_m, .. } => {
+                [0.0, 1.0, vehicle.mass_kg * acting_ahead_m / vehicle.yaw_inertia_kg_m2]
+            }
+            Self::Bank { .. } => [0.0, -GRAVITY.to_radians(), 0.0],
+            Self::YawMoment { .. } => [0.0, 0.0, 1.0 / vehicle.yaw_inertia_kg_m2],
+            Self::Direction { direction, .. } => *direction,
+        }
+    }
+
+    /// Largest magnitude, in its unit.
+    pub fn bound(&self) -> f64 {
+        match self {
+            Self::SideWind { bound_m_per_s2, .. } => *bound_m_per_s2,
+            Self::Bank { bound_deg, .. } => *bound_deg,
+            Self::YawMoment { bound_n_m, .. } => *bound_n_m,
+            Self::Direction { bound, .. } => *bound,
+        }
+    }
+
+    /// Unit of the disturbance.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::SideWind { .. } => "m/s^2",
+            Self::Bank { .. } => "deg",
+            Self::YawMoment { .. } => "N m",
+            Self::Direction { .. } => "1",
+        }
+    }
+
+    /// Frequency range, Hz.
+    pub fn band_hz(&self) -> [f64; 2] {
+        match self {
+            Self::SideWind { band_hz, .. }
+            | Self::Bank { band_hz, .. }
+            | Self::YawMoment { band_hz, .. }
+            | Self::Direction { band_hz, .. } => *band_hz,
+        }
+    }
+}
+
+/// `[design]`: how the gains are found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Method {
+    /// Which method; default "paper".
+    pub method: MethodName,
+    /// Disturbance attenuation to hold: residual per unit of the first disturbance, the others
+    /// counted in proportion to their bounds; default 0.8.
+    pub gamma: f64,
+    /// Multiplier of (31); default 2.
+    pub alpha_d: f64,
+    /// Multiplier of (32); default 1.
+    pub alpha_f: f64,
+    /// Multiplier of (32): "F'" or three numbers in the unit of F'; default "F'".
+    #[serde(rename = "V")]
+    pub v: MultiplierV,
+    /// Slowest decay of the error, a sample, for (33); default 0.97.
+    pub decay: f64,
+    /// beta of the design as a fraction of the largest; default 0.97.
+    pub beta_fraction: f64,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self {
+            method: MethodName::Paper,
+            gamma: 0.8,
+            alpha_d: 2.0,
+            alpha_f: 1.0,
+            v: MultiplierV::Name(VName::FTransposed),
+            decay: 0.97,
+            beta_fraction: 0.97,
+        }
+    }
+}
+
+/// The methods there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MethodName {
+    /// Theorem 4 with given multipliers: largest beta, then smallest gamma near it.
+    Paper,
+}
+
+/// The multiplier V.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected \"F'\" or three numbers")]
+pub enum MultiplierV {
+    /// By name.
+    Name(VName),
+    /// By its numbers, in the unit of F'.
+    Given([f64; 3]),
+}
+
+/// Named choices of V.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum VName {
+    /// The transpose of F.
+    #[serde(rename = "F'")]
+    FTransposed,
+}
+
+/// `[evaluation]`: how the residual is evaluated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Evaluation {
+    /// Window of the RMS; default 40.
+    pub window_samples: usize,
+    /// Diagonal of W_r for the residuals of v_x (per m/s) and r (per rad/s); default [1, 1].
+    pub weights: [f64; 2],
+    /// How the threshold is found; default "calibrated".
+    pub threshold: ThresholdKind,
+    /// Threshold over the largest fault-free level of the calibration; default 1.25.
+    pub margin: f64,
+    /// Consecutive samples above the threshold that raise the alarm; default 1.
+    pub debounce_samples: u32,
+    /// The fault-free drives of the calibration.
+    pub calibration: Calibration,
+}
+
+impl Default for Evaluation {
+    fn default() -> Self {
+        Self {
+            window_samples: 40,
+            weights: [1.0, 1.0],
+            threshold: ThresholdKind::Calibrated,
+            margin: 1.25,
+            debounce_samples: 1,
+            calibration: Calibration::default(),
+        }
+    }
+}
+
+/// How the threshold is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ThresholdKind {
+    /// Largest level of simulated fault-free drives, times a margin.
+    Calibrated,
+}
+
+/// `[evaluation.calibration]`: every manoeuvre at every speed and lateral acceleration, under every
+/// frequency and phase of the disturbances, from every initial lateral speed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Calibration {
+    /// Number of initial speeds, evenly spread over the armed range; default 7.
+    pub speeds: usize,
+    /// Manoeuvres; default all.
+    pub manoeuvres: Vec<Manoeuvre>,
+    /// Steady-state lateral accelerations that the steering amplitudes correspond to;
+    /// default [1, 2, 3].
+    pub lateral_acceleration_m_per_s2: Vec<f64>,
+    /// Fastest steering, at the road wheel: amplitudes are reduced to it; default 0.3.
+    pub steering_rate_rad_per_s: f64,
+    /// Number of frequencies, evenly spread over each disturbance's band; default 3.
+    pub disturbance_frequencies: usize,
+    /// Number of phases, evenly spread over a period; default 4.
+    pub disturbance_phases: usize,
+    /// Initial lateral speeds; default [-1, 0, 1].
+    pub initial_v_y_m_per_s: Vec<f64>,
+    /// Length of a drive; default 8.
+    pub duration_s: f64,
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        use Manoeuvre::{LaneChange, Sine, StepSteer, Straight, Weave};
+        Self {
+            speeds: 7,
+            manoeuvres: vec![Straight, Sine, Weave, StepSteer, LaneChange],
+            lateral_acceleration_m_per_s2: vec![1.0, 2.0, 3.0],
+            steering_rate_rad_per_s: 0.3,
+            disturbance_frequencies: 3,
+            disturbance_phases: 4,
+            initial_v_y_m_per_s: vec![-1.0, 0.0, 1.0],
+            duration_s: 8.0,
+        }
+    }
+}
+
+/// A course of the road-wheel angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Manoeuvre {
+    /// No steering.
+    Straight,
+    /// Sine of 0.5 rad/s: the paper's.
+    Sine,
+    /// Sine of 0.2 Hz: the weave of ISO 13674.
+    Weave,
+    /// From 1 s on at the steering rate to the full angle, then held: the step of ISO 7401.
+    StepSteer,
+    /// One period of a 0.5 Hz sine from 1 s on.
+    LaneChange,
+}
+
+impl Default for Spec {
+    /// The paper's case.
+    fn default() -> Self {
+        Self {
+            vehicle: Vehicle::PAPER,
+            operating_range: OperatingRangeTable::default(),
+            sampling: Sampling::default(),
+            fault: vec![Fault::Steering { smallest_deg: half_a_degree(), band_hz: low_band() }],
+            disturbance: vec![Disturbance::SideWind {
+                name: "side wind".into(),
+                acting_ahead_m: quarter_of_a_metre(),
+                bound_m_per_s2: 0.1,
+                band_hz: low_band(),
+            }],
+            design: Method::default(),
+            evaluation: Evaluation::default(),
+        }
+    }
+}
+
+impl Spec {
+    /// Reads and checks a specification in TOML.
+    ///
+    /// # Errors
+    /// [`SpecError`], which names the key, its value and what is allowed.
+    pub fn from_toml(text: &str) -> Result<Self, SpecError> {
+        let spec: Self = parse(text)?;
+        spec.check()?;
+        Ok(spec)
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`SpecError`], for the first value that is not possible.
+    pub fn check(&self) -> Result<(), SpecError> {
+        self.check_vehicle_and_range()?;
+        self.check_sampling()?;
+        self.check_channels()?;
+        self.check_design()?;
+        self.check_evaluation()
+    }
+
+    fn check_vehicle_and_range(&self) -> Result<(), SpecError> {
+        let v = &self.vehicle;
+        for (key, value, allowed) in [
+            ("mass_kg", v.mass_kg, Allowed::POSITIVE),
+            ("yaw_inertia_kg_m2", v.yaw_inertia_kg_m2, Allowed::POSITIVE),
+            (
+                "effective_longitudinal_inertia_kg_m",
+                v.effective_longitudinal_inertia_kg_m,
+                Allowed::POSITIVE,
+            ),
+            ("front_axle_distance_m", v.front_axle_distance_m, Allowed::POSITIVE),
+            ("rear_axle_distance_m", v.rear_axle_distance_m, Allowed::POSITIVE),
+            (
+                "front_cornering_stiffness_n_per_rad",
+                v.front_cornering_stiffness_n_per_rad,
+                Allowed::POSITIVE,
+            ),
+            (
+                "rear_cornering_stiffness_n_per_rad",
+                v.rear_cornering_stiffness_n_per_rad,
+                Allowed::POSITIVE,
+            ),
+            (
+                "longitudinal_drag_n_m_s2_per_m2",
+                v.longitudinal_drag_n_m_s2_per_m2,
+                Allowed::NOT_NEGATIVE,
+            ),
+            ("lateral_drag_n_s2_per_m2", v.lateral_drag_n_s2_per_m2, Allowed::NOT_NEGATIVE),
+        ] {
+            allowed.check(&format!("vehicle.{key}"), value)?;
+        }
+
+        let range = &self.operating_range;
+        for (name, unit, interval, hysteresis) in [
+            ("v_x", "m_per_s", range.v_x_m_per_s, range.v_x_hysteresis_m_per_s),
+            ("v_y", "m_per_s", range.v_y_m_per_s, range.v_y_hysteresis_m_per_s),
+            ("r", "rad_per_s", range.r_rad_per_s, range.r_hysteresis_rad_per_s),
+        ] {
+            let key = format!("operating_range.{name}_{unit}");
+            let [min, max] = interval;
+            let finite = min.is_finite() && max.is_finite();
+            SpecError::unless(
+                finite && min < max,
+                &key,
+                interval,
+                "two finite numbers, min < max",
+            )?;
+            if name == "v_x" {
+                SpecError::unless(min > 0.0, &key, interval, "min > 0: the model holds 1/v_x")?;
+            } else {
+                SpecError::unless(min < 0.0 && max > 0.0, &key, interval, "min < 0 < max")?;
+            }
+            let key = format!("operating_range.{name}_hysteresis_{unit}");
+            let half = (max - min) / 2.0;
+            SpecError::unless(
+                (0.0..half).contains(&hysteresis),
+                &key,
+                hysteresis,
+                &format!("from 0 to below half the range's width, {half}"),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn check_sampling(&self) -> Result<(), SpecError> {
+        let t = self.sampling.period_s;
+        Allowed::between(1e-4, 0.1).check("sampling.period_s", t)?;
+        // The Euler step must follow the lateral and yaw dynamics, fastest at the lowest speed.
+        let v = &self.vehicle;
+        let (c_f, c_r) =
+            (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let lateral = 2.0 * (c_f + c_r) / v.mass_kg;
+        let yaw = 2.0 * (c_f * l_f * l_f + c_r * l_r * l_r) / v.yaw_inertia_kg_m2;
+        let lowest_speed = t * lateral.max(yaw);
+        SpecError::unless(
+            self.operating_range.v_x_m_per_s[0] > lowest_speed,
+            "operating_range.v_x_m_per_s",
+            self.operating_range.v_x_m_per_s,
+            &format!(
+                "min above {lowest_speed:.3} m/s: below it the lateral dynamics outrun \
+                 sampling.period_s = {t}"
+            ),
+        )
+    }
+
+    fn check_channels(&self) -> Result<(), SpecError> {
+        let one_fault = "one fault of interest: method \"paper\" designs for one";
+        SpecError::unless(self.fault.len() == 1, "fault", self.fault.len(), one_fault)?;
+        for (index, fault) in self.fault.iter().enumerate() {
+            let key = match fault {
+                Fault::Steering { smallest_deg, .. } => ("smallest_deg", *smallest_deg),
+                Fault::Torque { smallest_n_m, .. } => ("smallest_n_m", *smallest_n_m),
+            };
+            Allowed::POSITIVE.check(&format!("fault[{index}].{}", key.0), key.1)?;
+            self.band(&format!("fault[{index}]"), fault.band_hz())?;
+        }
+
+        let some = "at least one disturbance";
+        SpecError::unless(!self.disturbance.is_empty(), "disturbance", 0, some)?;
+        for (index, disturbance) in self.disturbance.iter().enumerate() {
+            let key = format!("disturbance[{index}]");
+            let (bound_key, bound) = match disturbance {
+                Disturbance::SideWind { bound_m_per_s2, acting_ahead_m, .. } => {
+                    Allowed::FINITE.check(&format!("{key}.acting_ahead_m"), *acting_ahead_m)?;
+                    ("bound_m_per_s2", *bound_m_per_s2)
+                }
+                Disturbance::Bank { bound_deg, .. } => ("bound_deg", *bound_deg),
+                Disturbance::YawMoment { bound_n_m, .. } => ("bound_n_m", *bound_n_m),
+                Disturbance::Direction { bound, direction, .. } => {
+                    let proper = direction.iter().all(|x| x.is_finite())
+                        && direction.iter().any(|&x| x != 0.0);
+                    let allowed = "finite numbers, not all zero";
+                    SpecError::unless(proper, &format!("{key}.direction"), direction, allowed)?;
+                    ("bound", *bound)
+                }
+            };
+            Allowed::POSITIVE.check(&format!("{key}.{bound_key}"), bound)?;
+            let band = self.band(&key, disturbance.band_hz())?;
+            SpecError::unless(
+                band == self.band("disturbance[0]", self.disturbance[0].band_hz())?,
+                &format!("{key}.band_hz"),
+                disturbance.band_hz(),
+                "the band of the first disturbance: method \"paper\" takes one band",
+            )?;
+        }
+        Ok(())
+    }
+
+    fn check_design(&self) -> Result<(), SpecError> {
+        let design = &self.design;
+        Allowed::POSITIVE.check("design.gamma", design.gamma)?;
+        Allowed::FINITE.check("design.alpha_d", design.alpha_d)?;
+        Allowed::FINITE.check("design.alpha_f", design.alpha_f)?;
+        if let MultiplierV::Given(v) = design.v {
+            // The bound on beta is ||C V'|| / |alpha_f + exp(jw)|.
+            let proper = v.iter().all(|x| x.is_finite()) && (v[0] != 0.0 || v[2] != 0.0);
+            let allowed =
+                "finite numbers, the first or third not zero: beta cannot exceed ||C V'||";
+            SpecError::unless(proper, "design.V", v, allowed)?;
+        }
+        Allowed::inside(0.0, 1.0).check("design.decay", design.decay)?;
+        Allowed::inside(0.0, 1.0).check("design.beta_fraction", design.beta_fraction)
+    }
+
+    fn check_evaluation(&self) -> Result<(), SpecError> {
+        let e = &self.evaluation;
+        SpecError::unless(
+            (1..=MAX_WINDOW).contains(&e.window_samples),
+            "evaluation.window_samples",
+            e.window_samples,
+            &format!("from 1 to {MAX_WINDOW}"),
+        )?;
+        SpecError::unless(
+            e.weights.iter().all(|&w| w >= 0.0 && w.is_finite()) && e.weights != [0.0, 0.0],
+            "evaluation.weights",
+            e.weights,
+            "finite, not negative and not both zero",
+        )?;
+        Allowed::between(1.0, 100.0).check("evaluation.margin", e.margin)?;
+        let at_least_one = "1 or more";
+        SpecError::unless(
+            e.debounce_samples >= 1,
+            "evaluation.debounce_samples",
+            e.debounce_samples,
+            at_least_one,
+        )?;
+
+        let c = &e.calibration;
+        for (key, count) in [
+            ("speeds", c.speeds),
+            ("disturbance_frequencies", c.disturbance_frequencies),
+            ("disturbance_phases", c.disturbance_phases),
+            ("manoeuvres", c.manoeuvres.len()),
+            ("lateral_acceleration_m_per_s2", c.lateral_acceleration_m_per_s2.len()),
+            ("initial_v_y_m_per_s", c.initial_v_y_m_per_s.len()),
+        ] {
+            let key = format!("evaluation.calibration.{key}");
+            SpecError::unless((1..=100).contains(&count), &key, count, "from 1 to 100 of them")?;
+        }
+        for &a_y in &c.lateral_acceleration_m_per_s2 {
+            let key = "evaluation.calibration.lateral_acceleration_m_per_s2";
+            Allowed::POSITIVE.check(key, a_y)?;
+        }
+        let [min, max] = self.operating_range.v_y_m_per_s;
+        for &v_y in &c.initial_v_y_m_per_s {
+            Allowed::between(min, max).check("evaluation.calibration.initial_v_y_m_per_s", v_y)?;
+        }
+        Allowed::POSITIVE
+            .check("evaluation.calibration.steering_rate_rad_per_s", c.steering_rate_rad_per_s)?;
+        Allowed::between(2.0, 3600.0).check("evaluation.calibration.duration_s", c.duration_s)
+    }
+
+    /// The band's kind.
+    fn band(&self, channel: &str, band_hz: [f64; 2]) -> Result<Band, SpecError> {
+        let nyquist = 0.5 / self.sampling.period_s;
+        let [from, to] = band_hz;
+        let key = format!("{channel}.band_hz");
+        SpecError::unless(
+            0.0 <= from && from < to && to <= nyquist,
+            &key,
+            band_hz,
+            &format!("0 <= from < to <= {nyquist} Hz, the Nyquist frequency"),
+        )?;
+        let theta = |hz: f64| 2.0 * PI * hz * self.sampling.period_s;
+        match (from == 0.0, to == nyquist) {
+            (true, true) => Ok(Band::Full),
+            (true, false) => Ok(Band::Low(theta(to))),
+            (false, true) => Ok(Band::High(theta(from))),
+            (false, false) => Err(SpecError::Value {
+                key,
+                value: format!("{band_hz:?}"),
+                allowed: format!("from 0, or up to {nyquist} Hz: middle bands are not supported"),
+            }),
+        }
+    }
+
+    /// The N-TS model.
+    pub fn model(&self) -> TsModel {
+        TsModel {
+            vehicle: self.vehicle,
+            sampling_period_s: self.sampling.period_s,
+            range: self.operating_range.range(),
+        }
+    }
+
+    /// D, 3 x n_d: a column of each disturbance, per unit.
+    pub fn d(&self) -> Matrix {
+        let t = self.sampling.period_s;
+        Matrix::from_fn(3, self.disturbance.len(), |row, column| {
+            t * self.disturbance[column].direction(&self.vehicle)[row]
+        })
+    }
+
+    /// F, 3 x 1, per rad or N m.
+    pub fn f(&self) -> Matrix {
+        let b = self.model().b();
+        Matrix::from_fn(3, self.fault.len(), |row, column| b[row][self.fault[column].column()])
+    }
+
+    /// The disturbances as one input in the unit of the first: each column of D in proportion to
+    /// its bound, so that the norm of the stacked vector weighs every channel by its bound.
+    ///
+    /// # Errors
+    /// [`SpecError`] for a band that is not possible.
+    pub fn disturbance_channel(&self) -> Result<Channel, SpecError> {
+        let mut direction = self.d();
+        for (mut column, disturbance) in direction.column_iter_mut().zip(&self.disturbance) {
+            column *= disturbance.bound() / self.disturbance[0].bound();
+        }
+        let band = self.band("disturbance[0]", self.disturbance[0].band_hz())?;
+        Ok(Channel { direction, band })
+    }
+
+    /// The fault of interest as an input, in rad or N m.
+    ///
+    /// # Errors
+    /// [`SpecError`] for a band that is not possible.
+    pub fn fault_channel(&self) -> Result<Channel, SpecError> {
+        Ok(Channel { direction: self.f(), band: self.band("fault[0]", self.fault[0].band_hz())? })
+    }
+
+    /// The multipliers of Theorem 4.
+    pub fn multipliers(&self) -> Multipliers {
+        Multipliers {
+            alpha_d: self.design.alpha_d,
+            alpha_f: self.design.alpha_f,
+            v: match self.design.v {
+                MultiplierV::Name(VName::FTransposed) => self.f().transpose(),
+                MultiplierV::Given(v) => Matrix::from_row_slice(1, 3, &v),
+            },
+        }
+    }
+}
