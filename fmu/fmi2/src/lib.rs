@@ -24,6 +24,8 @@ mod instance;
 mod log;
 mod memory;
 mod model;
+#[cfg(test)]
+mod tests;
 mod text;
 pub mod types;
 
