@@ -3,7 +3,9 @@
 pub mod archive;
 pub mod bake;
 pub mod cli;
+pub mod command;
 pub mod cosimulation;
+pub mod design_summary;
 pub mod detection;
 pub mod documentation;
 pub mod failure;
@@ -12,6 +14,7 @@ pub mod output;
 pub mod package;
 pub mod platform;
 pub mod plot;
+pub mod progress;
 pub mod report;
 pub mod runtime;
 pub mod scenario;

@@ -1,0 +1,81 @@
+//! The main job: from the paper's vehicle to a detected fault.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use steerguard_designer::Spec;
+
+use super::package::Packaged;
+use super::{design, input, package, print, simulate, verify};
+use crate::design_summary::DesignSummary;
+use crate::detection::Detection;
+use crate::failure::{Exit, Failure};
+use crate::output;
+use crate::progress::Progress;
+use crate::report::detection_table;
+use crate::runtime::Runtimes;
+use crate::scenario::Scenario;
+use crate::simulation::Files;
+
+#[derive(Serialize)]
+struct Outcome {
+    design: DesignSummary,
+    check: verify::Outcome,
+    detections: Vec<Detection>,
+    files: Results,
+}
+
+#[derive(Serialize)]
+struct Results {
+    design: PathBuf,
+    fmus: Vec<Packaged>,
+    #[serde(flatten)]
+    simulation: Files,
+}
+
+pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
+    output::create_folder(folder)?;
+    let progress = Progress::new();
+    let designed = input::make(&Spec::default(), &progress)?;
+    let design_file = folder.join("design.json");
+    design::write(&designed, &design_file)?;
+
+    progress.say("re-checking the design file");
+    let check = verify::check(&design_file)?;
+    progress.say("packaging");
+    let detector_file = folder.join("SteeringFaultDetector.fmu");
+    let plant_file = folder.join("VehiclePlant.fmu");
+    let fmus = vec![
+        package::detector(&designed, &Runtimes::detector(), &detector_file)?,
+        package::plant(&plant_file)?,
+    ];
+    let (detector, plant) = (simulate::open(&detector_file)?, simulate::open(&plant_file)?);
+    let simulation = simulate::simulate(&detector, &plant, &Scenario::default(), &progress)?;
+    let files = simulate::write(&simulation, folder)?;
+    drop(progress);
+
+    let right = check.holds && simulation.detections().all(Detection::is_right);
+    let outcome = Outcome {
+        design: DesignSummary::of(&designed),
+        check,
+        detections: simulation.detections().cloned().collect(),
+        files: Results { design: design_file, fmus, simulation: files },
+    };
+    print(json, &outcome, &text(&outcome))?;
+    Ok(if right { Exit::Done } else { Exit::No })
+}
+
+fn text(outcome: &Outcome) -> String {
+    let Outcome { design, check, detections, files } = outcome;
+    format!(
+        "Design: the paper's vehicle\n{}{}\n\
+         Detection: steering fault of 0.5 deg, under side wind, over 20 s\n{}\n\
+         Files\n{}  {}\n{}",
+        design.text(),
+        check.line(),
+        detection_table(detections.iter()),
+        package::listed(&files.fmus, "  "),
+        files.design.display(),
+        simulate::listed(&files.simulation),
+    )
+}

@@ -1,0 +1,37 @@
+//! What is being done, on a terminal only.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A line on the standard error output that says what is being done.
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    /// Shows nothing where the standard error output is no terminal.
+    pub fn new() -> Self {
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Self(bar)
+    }
+
+    /// Replaces the line.
+    pub fn say(&self, what: impl std::fmt::Display) {
+        self.0.set_message(what.to_string());
+    }
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
