@@ -181,18 +181,17 @@ pub(crate) unsafe fn syevr<T: Real>(
     }
     // SAFETY: the dimensions were checked, and the caller vouches for the array.
     let lower = lower_triangle(uplo, &unsafe { view(a, n, n, lda) });
-    let Some(eigen) = symmetric_eigen(lower) else {
+    let Some((values, columns)) = symmetric_eigen(&lower) else {
         *info = NOT_CONVERGED;
         return;
     };
-    let order = ascending(&eigen.eigenvalues);
     // SAFETY: the caller vouches for the `n` elements of W.
-    unsafe { write(w, order.iter().map(|&i| eigen.eigenvalues[i])) };
+    unsafe { write(w, values.iter().copied()) };
     if vectors {
         // SAFETY: the dimensions were checked, and the caller vouches for the arrays. A vector's
         // support is all of it.
         unsafe {
-            view_mut(z, n, n, ldz).copy_from(&eigen.eigenvectors.select_columns(&order));
+            view_mut(z, n, n, ldz).copy_from(&columns);
             write(isuppz, (0..n).flat_map(|_| [1, n]));
         }
     }
@@ -321,27 +320,32 @@ fn cholesky<T: Real>(lower: DMatrix<T>) -> Option<DMatrix<T>> {
     is_finite(&l).then_some(l)
 }
 
-/// The eigenvalues and vectors, in no order, of the matrix whose lower triangle is given.
+/// The eigenvalues, ascending, and their vectors, of the matrix whose lower triangle is given.
 ///
 /// The spectrum is shifted to one side of zero for the iteration. nalgebra drops what couples two
 /// diagonal elements once it is small beside them; were both about zero it would go on with
-/// elements whose squares underflow, and its rotations would not be orthogonal.
-fn symmetric_eigen<T: Real>(mut lower: DMatrix<T>) -> Option<SymmetricEigen<T, Dyn>> {
-    if !is_finite(&lower) {
+/// elements whose squares underflow, and its rotations would not be orthogonal. The shift costs
+/// digits that single precision would miss: the iteration is in double precision.
+fn symmetric_eigen<T: Real>(lower: &DMatrix<T>) -> Option<(DVector<T>, DMatrix<T>)> {
+    if !is_finite(lower) {
         return None;
     }
     let largest = lower.amax();
     let scale = if largest.is_zero() { T::one() } else { largest };
-    lower.unscale_mut(scale);
-    let two: T = nalgebra::convert(2.0);
-    let shift = (two * lower.norm_squared()).sqrt(); // not below the norm of the whole matrix
-    for i in 0..lower.nrows() {
-        lower[(i, i)] += shift;
+    let mut shifted = lower.map(|value| nalgebra::convert_unchecked::<T, f64>(value / scale));
+    let shift = (2.0 * shifted.norm_squared()).sqrt(); // not below the norm of the whole matrix
+    for i in 0..shifted.nrows() {
+        shifted[(i, i)] += shift;
     }
-    let sweeps = SWEEPS_PER_VALUE * lower.nrows();
-    let mut eigen = SymmetricEigen::try_new(lower, T::default_epsilon(), sweeps)?;
-    eigen.eigenvalues.apply(|value| *value = (*value - shift) * scale);
-    Some(eigen)
+    let sweeps = SWEEPS_PER_VALUE * shifted.nrows();
+    let eigen = SymmetricEigen::try_new(shifted, f64::EPSILON, sweeps)?;
+    let order = ascending(&eigen.eigenvalues);
+    let values = eigen.eigenvalues.select_rows(&order);
+    let vectors = eigen.eigenvectors.select_columns(&order);
+    Some((
+        values.map(|value| nalgebra::convert::<f64, T>(value - shift) * scale),
+        vectors.map(nalgebra::convert),
+    ))
 }
 
 fn is_finite<T: Real>(a: &DMatrix<T>) -> bool {

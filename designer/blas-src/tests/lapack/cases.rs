@@ -6,8 +6,9 @@ use proptest::prelude::*;
 use crate::common::{Numbers, in_triangle};
 
 /// Units of rounding that a sum over a dimension may have, for bounds of the form
-/// `n EPS * size`.
-const EPS: f64 = 16.0 * T::EPSILON as f64;
+/// `n EPS * size`. OpenBLAS's `syevr` (the method of multiple relatively robust representations)
+/// keeps vectors less closely orthogonal.
+const EPS: f64 = if cfg!(feature = "openblas-system") { 256.0 } else { 16.0 } * T::EPSILON as f64;
 
 /// Stores a matrix by columns `ld` apart, NaN in the padding.
 fn stored(a: &DMatrix<f64>, ld: usize) -> Vec<T> {
@@ -211,6 +212,9 @@ proptest! {
         let b = rounded(&random(&mut numbers, n, nrhs));
         let (x, lu, ipiv, info) = solved(&a, &b, pad);
         prop_assert_eq!(info, 0);
+        if nrhs == 0 {
+            return Ok(()); // OpenBLAS does not even factor
+        }
         let n = n as f64;
         let mut l = lu.lower_triangle();
         l.fill_diagonal(1.0);
