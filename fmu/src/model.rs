@@ -111,6 +111,7 @@ impl Model for DetectorModel {
         self.design.configuration.model.sampling_period_s
     }
 
+    #[inline(always)] // each C getter keeps the arm of its own type
     fn get(&self, variable: V) -> Value<'_> {
         let configuration = &self.design.configuration;
         let vehicle = &configuration.model.vehicle;
@@ -180,6 +181,7 @@ impl Model for DetectorModel {
         Value::Real(real)
     }
 
+    #[inline(always)]
     fn set(&mut self, variable: V, value: Value<'_>) {
         match variable {
             V::SpeedX => value.store_real(&mut self.measurement[0]),

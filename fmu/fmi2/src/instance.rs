@@ -4,7 +4,7 @@
 use core::ffi::CStr;
 
 use steerguard_model_description::{
-    Causality, LogCategory, Role, Value, Variability, Variable, VariableSet,
+    Causality, Kind, LogCategory, Role, Value, Variability, Variable, VariableSet,
 };
 
 use crate::archive::{self, Archive, GUID_LENGTH};
@@ -171,6 +171,13 @@ fn may_set(role: Role, state: CallState) -> bool {
     }
 }
 
+/// Real inputs may be set to anything: what a model does with NaN is its own affair.
+#[inline]
+fn is_real_input(row: &Variable, value: Value<'_>) -> bool {
+    row.role.causality == Causality::Input
+        && matches!((&row.kind, value), (Kind::Real(_), Value::Real(_)))
+}
+
 impl<M: Model> Instance<M> {
     /// Logs why a call is refused.
     #[cold]
@@ -217,31 +224,42 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    /// Whether a value may be set now.
+    /// The variable, if it may be set to a value now.
     ///
     /// # Errors
     /// The status of the refusal.
-    pub(crate) fn check(
+    #[inline]
+    pub(crate) fn settable(
         &self,
         function: Function,
         vr: u32,
         value: Value<'_>,
-    ) -> Result<Entry<M>, fmi2Status> {
-        let (variable, row) = self.find(function, vr)?;
-        if !row.kind.is_type_of(value) {
-            return Err(self.wrong_type(function, row));
+    ) -> Result<M::Variable, fmi2Status> {
+        let variable = <M::Variable as VariableSet>::ALL.get(vr as usize);
+        let row = <M::Variable as VariableSet>::TABLE.get(vr as usize);
+        match variable.zip(row) {
+            Some((variable, row))
+                if is_real_input(row, value)
+                    || may_set(row.role, self.machine.state) && row.kind.admits(value) =>
+            {
+                Ok(*variable)
+            }
+            _ => Err(self.refuse_to_set(function, vr, value)),
         }
-        if !may_set(row.role, self.machine.state) {
-            return Err(self.not_settable(function, row));
-        }
-        let any = row.role.causality == Causality::Input && matches!(value, Value::Real(_));
-        if !any && !row.kind.admits(value) {
-            return Err(self.out_of_range(function, row, value));
-        }
-        Ok((variable, row))
     }
 
     #[cold]
+    fn refuse_to_set(&self, function: Function, vr: u32, value: Value<'_>) -> fmi2Status {
+        match self.find(function, vr) {
+            Err(status) => status,
+            Ok((_, row)) if !row.kind.is_type_of(value) => self.wrong_type(function, row),
+            Ok((_, row)) if !may_set(row.role, self.machine.state) => {
+                self.not_settable(function, row)
+            }
+            Ok((_, row)) => self.out_of_range(function, row, value),
+        }
+    }
+
     fn not_settable(&self, function: Function, row: &Variable) -> fmi2Status {
         let reason = match (row.role.causality, row.role.variability) {
             (Causality::Output, _) => "is an output and cannot be set",
@@ -252,7 +270,6 @@ impl<M: Model> Instance<M> {
         self.refuse_variable(function, row, reason)
     }
 
-    #[cold]
     fn out_of_range(&self, function: Function, row: &Variable, value: Value<'_>) -> fmi2Status {
         self.refuse(function, |text| {
             text.str("variable \"").str(row.name).str("\" cannot be ");

@@ -1,6 +1,6 @@
 //! Getting and setting values.
 
-use steerguard_model_description::Value;
+use steerguard_model_description::{Value, VariableSet};
 
 use super::{OK, array, array_mut, call, string};
 use crate::types::*;
@@ -46,13 +46,13 @@ unsafe fn set<'a, F: Fmu, T: Copy + 'a>(
         call::<F>(c, function, |instance, function| {
             let vr = array(vr, nvr).ok_or_else(|| instance.null(function, "vr"))?;
             let value = array(value, nvr).ok_or_else(|| instance.null(function, "value"))?;
+            let all = <<F::Model as Model>::Variable as VariableSet>::ALL;
             for (&vr, &value) in vr.iter().zip(value) {
                 let value = wrap(value).ok_or_else(|| instance.null(function, "value"))?;
-                instance.check(function, vr, value)?;
+                instance.settable(function, vr, value)?;
             }
             for (&vr, &value) in vr.iter().zip(value) {
-                let (variable, _) = instance.find(function, vr)?;
-                if let Some(value) = wrap(value) {
+                if let (Some(value), Some(&variable)) = (wrap(value), all.get(vr as usize)) {
                     instance.machine.model.set(variable, value);
                 }
             }
