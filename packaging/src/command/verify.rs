@@ -3,11 +3,8 @@
 use std::path::Path;
 
 use serde::Serialize;
-use steerguard_designer::certificate::{self, Check};
-use steerguard_designer::gains::ObserverGains;
-use steerguard_designer::synthesis::Lyapunov;
-use steerguard_designer::theorem4::{Theorem4, matrix};
-use steerguard_designer::{Design, DesignFileError, SpecError};
+use steerguard_designer::certificate::Check;
+use steerguard_designer::{Design, DesignFileError};
 
 use super::{input, print};
 use crate::cli::VerifyArguments;
@@ -53,38 +50,11 @@ pub(super) fn check(path: &Path) -> Result<Outcome, Failure> {
         }
         _ => input::refused(&error, path),
     })?;
-    let margins = recheck(&design).map_err(Failure::bad)?;
+    let margins = design.certificate.margins;
     Ok(Outcome {
         holds: margins.holds(),
         hash: design.hash,
         margins,
         statement: design.certificate.statement,
     })
-}
-
-/// The conditions, evaluated anew from the numbers in the file.
-fn recheck(design: &Design) -> Result<Check, SpecError> {
-    let spec = &design.spec;
-    let theorem = Theorem4::new(
-        &spec.model(),
-        &spec.disturbance_channel()?,
-        &spec.fault_channel()?,
-        &spec.multipliers(),
-        spec.design.decay,
-    );
-    let gains = ObserverGains {
-        gains: design.configuration().gains,
-        h: design.vertices.map(|rule| rule.h),
-    };
-    let c = &design.certificate;
-    let lyapunov = Lyapunov {
-        p_s: c.p_s.each_ref().map(|p| matrix(p)),
-        p_d: c.p_d.each_ref().map(|p| matrix(p)),
-        p_f: c.p_f.each_ref().map(|p| matrix(p)),
-        q_d: matrix(&c.q_d),
-        q_f: matrix(&c.q_f),
-        r: matrix(&c.r),
-    };
-    let synthesis = &design.synthesis;
-    Ok(certificate::check(&theorem, &gains, &lyapunov, synthesis.gamma, synthesis.beta))
 }

@@ -1,0 +1,105 @@
+//! doStep of the packaged library through the C interface, against the same mathematics in plain C.
+//!
+//! Criterion reports both; the ratio is that of medians over batches measured in turn, so that
+//! whatever else the machine does meets both alike.
+#![allow(missing_docs, reason = "made by criterion's macro")]
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use steerguard_bench::{Detector, Error, inputs, paper};
+
+const BATCHES: usize = 401;
+const STEPS: u64 = 5000;
+
+/// What a batch repeats.
+type Work = fn(&mut Detector, u64);
+
+const WORKS: [(&str, Work); 2] = [("doStep", step), ("set, doStep, get", cycle)];
+
+fn step(detector: &mut Detector, _k: u64) {
+    black_box(detector.step());
+}
+
+fn cycle(detector: &mut Detector, k: u64) {
+    black_box(detector.set(&inputs_of(k)));
+    black_box(detector.step());
+    black_box(detector.get());
+}
+
+/// Inputs without the cost of their sines.
+fn inputs_of(k: u64) -> [f64; 4] {
+    let weave = (k % 64) as f64 * 1e-4;
+    [15.0 + weave, weave, 78.75, weave]
+}
+
+fn pair() -> Result<[(&'static str, Detector); 2], Error> {
+    let (configuration, fmu) = paper()?;
+    let step_s = configuration.model.sampling_period_s;
+    let mut pair = [
+        ("packaged FMU", Detector::packaged(&fmu, step_s)?),
+        ("plain C", Detector::plain_c(&configuration, step_s)?),
+    ];
+    // Both are in their steady state, with the same outputs.
+    for k in 0..1000 {
+        let outputs = pair.each_mut().map(|(_, detector)| {
+            detector.set(&inputs(k));
+            detector.step();
+            detector.get().map(f64::to_bits)
+        });
+        let [ours, theirs] = outputs;
+        assert_eq!(ours, theirs, "outputs at sample {k}");
+    }
+    Ok(pair)
+}
+
+fn batch(detector: &mut Detector, work: Work) -> Duration {
+    let start = Instant::now();
+    for k in 0..STEPS {
+        work(detector, k);
+    }
+    start.elapsed()
+}
+
+fn median(mut times: Vec<Duration>) -> f64 {
+    times.sort_unstable();
+    times.get(times.len() / 2).map_or(f64::NAN, Duration::as_secs_f64)
+}
+
+fn compare(criterion: &mut Criterion) {
+    let mut pair = match pair() {
+        Ok(pair) => pair,
+        Err(error) => return eprintln!("error: {error}"),
+    };
+    for (name, work) in WORKS {
+        let mut group = criterion.benchmark_group(name);
+        for (who, detector) in &mut pair {
+            let mut k = 0;
+            group.bench_function(*who, |bencher| {
+                bencher.iter(|| {
+                    k += 1;
+                    work(detector, k);
+                });
+            });
+        }
+        group.finish();
+
+        let [(_, packaged), (_, plain)] = &mut pair;
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for _ in 0..BATCHES {
+            ours.push(batch(packaged, work));
+            theirs.push(batch(plain, work));
+        }
+        let (ours, theirs) = (median(ours), median(theirs));
+        println!(
+            "{name}: packaged FMU {:.1} ns, plain C {:.1} ns, ratio {:.2}\n",
+            ours / STEPS as f64 * 1e9,
+            theirs / STEPS as f64 * 1e9,
+            ours / theirs
+        );
+    }
+}
+
+criterion_group!(benches, compare);
+criterion_main!(benches);

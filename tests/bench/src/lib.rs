@@ -1,0 +1,253 @@
+//! The packaged detector and its twin in plain C, behind the same three functions of FMI 2.0.
+
+use std::ffi::{CString, c_void};
+use std::io::{Cursor, Read};
+use std::path::Path;
+use std::ptr;
+
+use libloading::Library;
+use steerguard::design_summary::baked;
+use steerguard::package::detector_fmu;
+use steerguard::platform::Platform;
+use steerguard::runtime::Runtimes;
+use steerguard_designer::{Spec, design};
+use steerguard_detector::Configuration;
+use steerguard_fmi2::types::{
+    fmi2CallbackFunctions, fmi2CoSimulation, fmi2False, fmi2Status, fmi2True, functions,
+};
+use steerguard_model_description::VariableSet;
+use steerguard_model_description::detector::DetectorVariable as V;
+
+/// Why there is nothing to measure.
+pub type Error = Box<dyn std::error::Error>;
+
+/// The design of the paper's vehicle, and its FMU.
+///
+/// # Errors
+/// What designing and packaging say.
+pub fn paper() -> Result<(Configuration, Vec<u8>), Error> {
+    let design = design(&Spec::default(), &mut |_| {})?;
+    let fmu = detector_fmu(&baked(&design)?, &Runtimes::detector())?;
+    Ok((design.configuration(), fmu))
+}
+
+/// One detector behind the C interface.
+pub struct Detector {
+    set_real: functions::fmi2SetReal,
+    do_step: functions::fmi2DoStep,
+    get_real: functions::fmi2GetReal,
+    component: *mut c_void,
+    step_s: f64,
+    steps: u64,
+    _code: Library,
+}
+
+impl Detector {
+    /// The library in an FMU, in Step Mode.
+    ///
+    /// # Errors
+    /// If it cannot be loaded or refuses a call.
+    pub fn packaged(fmu: &[u8], step_s: f64) -> Result<Self, Error> {
+        let mut archive = zip::ZipArchive::new(Cursor::new(fmu))?;
+        let mut xml = String::new();
+        archive.by_name("modelDescription.xml")?.read_to_string(&mut xml)?;
+        let guid = xml.split("guid=\"").nth(1).and_then(|rest| rest.split('"').next());
+        let guid = CString::new(guid.ok_or("no guid")?)?;
+        let platform = Platform::HOST.ok_or("FMUs do not run here")?;
+        let mut library = tempfile::NamedTempFile::new()?;
+        let name = platform.library_path("SteeringFaultDetector");
+        std::io::copy(&mut archive.by_name(&name)?, &mut library)?;
+
+        let code = load(library.path())?;
+        // SAFETY: the FMI 2.0 headers declare the functions with these types.
+        let (instantiate, setup, enter, exit) = unsafe {
+            (
+                *code.get::<functions::fmi2Instantiate>("fmi2Instantiate")?,
+                *code.get::<functions::fmi2SetupExperiment>("fmi2SetupExperiment")?,
+                *code
+                    .get::<functions::fmi2EnterInitializationMode>("fmi2EnterInitializationMode")?,
+                *code.get::<functions::fmi2ExitInitializationMode>("fmi2ExitInitializationMode")?,
+            )
+        };
+        // The FMU may keep the pointer: it lives as long as the process.
+        let callbacks = Box::leak(Box::new(fmi2CallbackFunctions {
+            logger: None,
+            allocateMemory: None,
+            freeMemory: None,
+            stepFinished: None,
+            componentEnvironment: ptr::null_mut(),
+        }));
+        // SAFETY: strings and callbacks are valid; the calls follow the standard's sequence.
+        let (component, statuses) = unsafe {
+            let component = instantiate(
+                c"bench".as_ptr(),
+                fmi2CoSimulation,
+                guid.as_ptr(),
+                ptr::null(),
+                callbacks,
+                fmi2False,
+                fmi2False,
+            );
+            if component.is_null() {
+                return Err("fmi2Instantiate gave no instance".into());
+            }
+            (
+                component,
+                [
+                    setup(component, fmi2False, 0.0, 0.0, fmi2False, 0.0),
+                    enter(component),
+                    exit(component),
+                ],
+            )
+        };
+        if statuses.iter().any(|&status| status != fmi2Status::fmi2OK) {
+            return Err(format!("initialisation answered {statuses:?}").into());
+        }
+        Self::new(code, component, step_s)
+    }
+
+    /// The detector in plain C.
+    ///
+    /// # Errors
+    /// If its library cannot be loaded.
+    pub fn plain_c(configuration: &Configuration, step_s: f64) -> Result<Self, Error> {
+        let code = load(Path::new(env!("DETECTOR_C")))?;
+        let configuration = CConfiguration::of(configuration);
+        // SAFETY: detector.c declares the function with this type, and `CConfiguration` is its
+        // Configuration; it copies what it is given.
+        let component = unsafe {
+            let new = code.get::<unsafe extern "C" fn(*const CConfiguration) -> *mut c_void>(
+                "detector_new",
+            )?;
+            new(&raw const configuration)
+        };
+        Self::new(code, component, step_s)
+    }
+
+    fn new(code: Library, component: *mut c_void, step_s: f64) -> Result<Self, Error> {
+        // SAFETY: both libraries define these functions with the standard's types.
+        let (set_real, do_step, get_real) = unsafe {
+            (
+                *code.get::<functions::fmi2SetReal>("fmi2SetReal")?,
+                *code.get::<functions::fmi2DoStep>("fmi2DoStep")?,
+                *code.get::<functions::fmi2GetReal>("fmi2GetReal")?,
+            )
+        };
+        Ok(Self { set_real, do_step, get_real, component, step_s, steps: 0, _code: code })
+    }
+
+    /// Sets v_x, r, T_eng, delta.
+    pub fn set(&mut self, inputs: &[f64; 4]) -> fmi2Status {
+        let references =
+            [V::SpeedX, V::YawRate, V::DriveTorque, V::SteeringAngle].map(V::value_reference);
+        // SAFETY: a live instance and four elements each.
+        unsafe { (self.set_real)(self.component, references.as_ptr(), 4, inputs.as_ptr()) }
+    }
+
+    /// Steps over one sample.
+    pub fn step(&mut self) -> fmi2Status {
+        let time_s = self.steps as f64 * self.step_s;
+        self.steps += 1;
+        // SAFETY: a live instance.
+        unsafe { (self.do_step)(self.component, time_s, self.step_s, fmi2True) }
+    }
+
+    /// Gets residual.v_x, residual.r, J_rms, J_th.
+    pub fn get(&self) -> [f64; 4] {
+        let references =
+            [V::ResidualSpeedX, V::ResidualYawRate, V::Rms, V::Threshold].map(V::value_reference);
+        let mut values = [f64::NAN; 4];
+        // SAFETY: a live instance and four elements each.
+        unsafe {
+            (self.get_real)(self.component, references.as_ptr(), 4, values.as_mut_ptr());
+        }
+        values
+    }
+}
+
+/// Inputs at sample k: a gentle weave, with a steering error from sample 500 on.
+pub fn inputs(k: u64) -> [f64; 4] {
+    let phase = (k % 2000) as f64 * 0.01;
+    let delta = 0.01 * (0.5 * phase).sin();
+    let error = if k >= 500 { 0.005 } else { 0.0 };
+    [15.0 + 0.1 * (0.3 * phase).sin(), 4.0 * (delta + error), 78.75, delta]
+}
+
+fn load(path: &Path) -> Result<Library, Error> {
+    // SAFETY: both libraries are ours and have no initialisers of consequence.
+    Ok(unsafe { Library::new(path)? })
+}
+
+/// `Configuration` of detector.c.
+#[repr(C)]
+struct CConfiguration {
+    vehicle: [f64; 9],
+    period: f64,
+    range: [f64; 4],
+    n: [[[f64; 3]; 3]; 4],
+    l: [[[f64; 2]; 3]; 4],
+    m: [[f64; 3]; 3],
+    e: [[f64; 2]; 3],
+    weights: [f64; 2],
+    threshold: f64,
+    start_up: [f64; 2],
+    window: usize,
+}
+
+impl CConfiguration {
+    fn of(configuration: &Configuration) -> Self {
+        let Configuration { model, gains, evaluation, .. } = configuration;
+        let v = &model.vehicle;
+        Self {
+            vehicle: [
+                v.mass_kg,
+                v.yaw_inertia_kg_m2,
+                v.effective_longitudinal_inertia_kg_m,
+                v.front_axle_distance_m,
+                v.rear_axle_distance_m,
+                v.front_cornering_stiffness_n_per_rad,
+                v.rear_cornering_stiffness_n_per_rad,
+                v.longitudinal_drag_n_m_s2_per_m2,
+                v.lateral_drag_n_s2_per_m2,
+            ],
+            period: model.sampling_period_s,
+            range: [model.range.v_x.min, model.range.v_x.max, model.range.r.min, model.range.r.max],
+            n: gains.n,
+            l: gains.l,
+            m: gains.m,
+            e: gains.e,
+            weights: evaluation.weights,
+            threshold: evaluation.threshold,
+            start_up: [evaluation.start_up_amplitude, evaluation.start_up_decay],
+            window: evaluation.window,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_give_the_same_outputs_bit_for_bit() {
+        let (configuration, fmu) = paper().unwrap();
+        let step_s = configuration.model.sampling_period_s;
+        let mut packaged = Detector::packaged(&fmu, step_s).unwrap();
+        let mut plain = Detector::plain_c(&configuration, step_s).unwrap();
+        let mut largest: f64 = 0.0;
+        for k in 0..10_000 {
+            for detector in [&mut packaged, &mut plain] {
+                assert_eq!(detector.set(&inputs(k)), fmi2Status::fmi2OK);
+                assert_eq!(detector.step(), fmi2Status::fmi2OK);
+            }
+            let [ours, theirs] = [packaged.get(), plain.get()];
+            assert_eq!(
+                ours.map(f64::to_bits),
+                theirs.map(f64::to_bits),
+                "{k}: {ours:?} {theirs:?}"
+            );
+            largest = largest.max(ours[2]);
+        }
+        assert!(largest > 0.0, "the comparison saw a residual");
+    }
+}
