@@ -85,8 +85,9 @@ class Reference:
         self.period = design["sampling_period_s"]
 
         premise = design["premise"]
-        self.bounds = np.array([premise[k] for k in ("v_x", "v_y", "r")])  # 3 x 2: min, max
-        self.hysteresis = np.array([premise["hysteresis"][k] for k in ("v_x", "v_y", "r")])
+        names = [("v_x", "m_per_s"), ("v_y", "m_per_s"), ("r", "rad_per_s")]
+        self.bounds = np.array([premise[f"{name}_{unit}"] for name, unit in names])  # min, max
+        self.hysteresis = np.array([premise[f"{name}_hysteresis_{unit}"] for name, unit in names])
 
         self.A, self.N, self.L = (
             np.array([vertex[k] for vertex in design["vertices"]]) for k in ("A", "N", "L")
@@ -101,8 +102,8 @@ class Reference:
         self.window = evaluation["window"]
         self.weights = np.array(evaluation["weights"], dtype=float)
         self.threshold = evaluation["threshold"]
-        self.start_up_amplitude = evaluation["start_up_amplitude"]
-        self.start_up_decay = evaluation["start_up_decay"]
+        self.start_up_amplitude = evaluation["start_up"]["amplitude"]
+        self.start_up_decay = evaluation["start_up"]["decay"]
         self.debounce = evaluation["debounce_samples"]
 
     def _corners(self):

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 import pytest
 import scenario
-from reference import MONITORING, windowed_rms
+from reference import MONITORING, OUT_OF_RANGE, windowed_rms
 from signals import assert_agree, expected
 
 LARGEST_DELAY_S = 0.10
@@ -31,13 +31,12 @@ def test_fault_is_detected_and_nothing_else(run, speed):
     assert record["alarm"][later].all(), "the fault stays, and so does the alarm"
 
 
-def test_edge_of_the_range_is_reported(run, record_property):
-    """5 m/s is where the range of the design ends: no promise, but no alarm without a fault."""
+def test_edge_of_the_range(run, reference):
+    """The paper's 5 m/s is where the design range ends: no detector there, and it says so."""
+    assert 5.0 < reference.bounds[0, 0] + reference.hysteresis[0], "arms above the edge only"
     record = run(5.0)
-    before = record["time"] < scenario.FAULT_ONSET_S - 1e-9
-    record_property("share_monitored", float(np.mean(record["state"] == MONITORING)))
-    record_property("first_alarm_time_s", float(record["first_alarm_time"][-1]))
-    assert not record["alarm"][before].any()
+    assert (record["state"] == OUT_OF_RANGE).all()
+    assert not record["alarm_latched"].any()
 
 
 @pytest.mark.parametrize("speed", [5.0, 6.0, 15.0, 25.0])
@@ -51,13 +50,13 @@ def test_level_of_the_residual(run, reference, speed):
     """J with W_r = I over 40 samples against METHOD.md 7, computed independently of this project.
 
     Its well-posed design: at most 0.00022 after 2 s without a fault, start-up peak 0.003 to 0.008,
-    0.0016 at 5.1 s, 0.0033 at 5.5 s, 0.0044 at 20 s. Gains of that design are nearly, not quite,
-    unique: 15 % is left for that and for the spread over the speeds.
+    0.0016 at 5.1 s, 0.0033 at 5.5 s, 0.0044 at 20 s. These figures have two digits and stand for all
+    speeds: 8 % is left to each.
     """
     record = run(speed)
     t = record["time"]
     j = windowed_rms(np.hypot(record["residual.v_x"], record["residual.r"]), 40)
-    assert 0.003 * 0.85 <= j[t < 2.0].max() <= 0.008 * 1.15
-    assert j[(t >= 2.0) & (t < 5.0 - 1e-9)].max() <= 0.00022 * 1.15
+    assert 0.003 <= j[t < 2.0].max() <= 0.008
+    assert j[(t >= 2.0) & (t < 5.0 - 1e-9)].max() <= 0.00022
     for at_s, level in [(5.1, 0.0016), (5.5, 0.0033), (19.99, 0.0044)]:
-        assert np.interp(at_s, t, j) == pytest.approx(level, rel=0.15), f"at {at_s} s"
+        assert np.interp(at_s, t, j) == pytest.approx(level, rel=0.08), f"at {at_s} s"
