@@ -5,9 +5,14 @@ use crate::{
     Rms, StartUp, VehicleState,
 };
 
-/// Inputs and measurements of this magnitude and more count as invalid, in SI units; below it no
-/// sum of products in the detector can overflow.
+/// Inputs and measurements of this magnitude and more count as invalid, in SI units, and an estimate
+/// of this magnitude as lost: a sample that starts below it cannot overflow.
 pub const LARGEST_MAGNITUDE: f64 = 1e9;
+
+/// Whether all `values` are finite and below [`LARGEST_MAGNITUDE`].
+fn plausible(values: &[f64]) -> bool {
+    values.iter().all(|x| -LARGEST_MAGNITUDE < *x && *x < LARGEST_MAGNITUDE)
+}
 
 /// Which condition holds at the last sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -120,8 +125,7 @@ impl Detector {
 
     /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
-        let valid = |x: &f64| -LARGEST_MAGNITUDE < *x && *x < LARGEST_MAGNITUDE;
-        if y.iter().chain(&u).all(valid) {
+        if plausible(&y) && plausible(&u) {
             self.track(y);
             if self.state.tracking {
                 self.observe(y, u);
@@ -169,6 +173,12 @@ impl Detector {
     fn observe(&mut self, y: Measurement, u: Input) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
+        if !plausible(&x_hat) {
+            // phi grows with the square of the estimate: nothing leads back from here.
+            state.tracking = false;
+            state.armed = false;
+            return;
+        }
         state.z = self.observer.advance(state.z, y, u, x_hat[1]);
 
         let residual = [y[0] - x_hat[0], y[1] - x_hat[2]]; // (10)
