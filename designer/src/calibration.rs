@@ -20,7 +20,7 @@ use steerguard_detector::{
     Configuration, ConfigurationError, Detector, Monitor, Vehicle, VehicleState, rk4,
 };
 
-use crate::spec::{Manoeuvre, Spec};
+use crate::spec::{Calibration, Manoeuvre, Spec};
 
 /// Longest integration step, s.
 const INTEGRATION_STEP_S: f64 = 1e-3;
@@ -38,12 +38,19 @@ pub struct Drive {
     pub manoeuvre: Manoeuvre,
     /// Steady-state lateral acceleration that the steering amplitude corresponds to.
     pub lateral_acceleration_m_per_s2: f64,
-    /// Frequency of the disturbances.
-    pub disturbance_hz: f64,
-    /// Their phase at the start.
-    pub disturbance_phase_rad: f64,
-    /// Their signs.
-    pub disturbance_signs: Vec<f64>,
+    /// What the disturbances do meanwhile.
+    pub disturbance: Wave,
+}
+
+/// A cosine of every disturbance, each at its bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wave {
+    /// Frequency.
+    pub hz: f64,
+    /// Phase at the start.
+    pub phase_rad: f64,
+    /// Sign of each disturbance.
+    pub signs: Vec<f64>,
 }
 
 /// The largest level, and where it was met.
@@ -63,42 +70,68 @@ pub struct Level {
 pub fn drives(spec: &Spec) -> Vec<Drive> {
     let c = &spec.evaluation.calibration;
     let armed = spec.operating_range.range().shrunk(spec.operating_range.hysteresis()).v_x;
-    let nyquist_hz = 0.5 / spec.sampling.period_s;
-    let [from_hz, to_hz] = spec.disturbance.first().map_or([0.0, nyquist_hz], |d| d.band_hz());
-    let further = spec.disturbance.len().saturating_sub(1) as u32;
+    let waves = waves(spec);
 
     let mut drives = Vec::new();
-    for v_x in spread(armed.min, armed.max, c.speeds) {
-        for &manoeuvre in &c.manoeuvres {
-            let amplitudes = match manoeuvre {
-                Manoeuvre::Straight => &[0.0][..],
-                _ => &c.lateral_acceleration_m_per_s2,
-            };
-            for &a_y in amplitudes {
-                for hz in spread(from_hz, to_hz, c.disturbance_frequencies) {
-                    for phase in 0..c.disturbance_phases {
-                        for signs in 0..1_u32 << further {
-                            for &v_y in &c.initial_v_y_m_per_s {
-                                drives.push(Drive {
-                                    v_x_m_per_s: v_x,
-                                    v_y_m_per_s: v_y,
-                                    manoeuvre,
-                                    lateral_acceleration_m_per_s2: a_y,
-                                    disturbance_hz: hz,
-                                    disturbance_phase_rad: TAU * phase as f64
-                                        / c.disturbance_phases as f64,
-                                    disturbance_signs: (0..=further)
-                                        .map(|j| if signs << 1 >> j & 1 == 0 { 1.0 } else { -1.0 })
-                                        .collect(),
-                                });
-                            }
-                        }
-                    }
+    for v_x_m_per_s in spread(armed.min, armed.max, c.speeds) {
+        for (manoeuvre, lateral_acceleration_m_per_s2) in courses(c) {
+            for disturbance in &waves {
+                for &v_y_m_per_s in &c.initial_v_y_m_per_s {
+                    drives.push(Drive {
+                        v_x_m_per_s,
+                        v_y_m_per_s,
+                        manoeuvre,
+                        lateral_acceleration_m_per_s2,
+                        disturbance: disturbance.clone(),
+                    });
                 }
             }
         }
     }
     drives
+}
+
+/// How many drives the specification asks for.
+pub fn count(spec: &Spec) -> usize {
+    let c = &spec.evaluation.calibration;
+    let signs = 1_usize << spec.disturbance.len().saturating_sub(1);
+    [c.disturbance_frequencies, c.disturbance_phases, signs, c.initial_v_y_m_per_s.len()]
+        .into_iter()
+        .fold(c.speeds.saturating_mul(courses(c).count()), usize::saturating_mul)
+}
+
+/// Manoeuvres with their lateral accelerations.
+fn courses(c: &Calibration) -> impl Iterator<Item = (Manoeuvre, f64)> {
+    c.manoeuvres.iter().flat_map(|&manoeuvre| {
+        let accelerations = match manoeuvre {
+            Manoeuvre::Straight => &[0.0],
+            _ => c.lateral_acceleration_m_per_s2.as_slice(),
+        };
+        accelerations.iter().map(move |&a_y| (manoeuvre, a_y))
+    })
+}
+
+/// Frequencies and phases of the disturbances; of several, every pattern of signs relative to the
+/// first.
+fn waves(spec: &Spec) -> Vec<Wave> {
+    let c = &spec.evaluation.calibration;
+    let band_hz = spec.disturbance.first().map_or([0.0, 0.0], |disturbance| disturbance.band_hz());
+    let further = spec.disturbance.len().saturating_sub(1);
+    let mut waves = Vec::new();
+    for hz in spread(band_hz[0], band_hz[1], c.disturbance_frequencies) {
+        for phase in 0..c.disturbance_phases {
+            for pattern in 0..1_usize << further {
+                let negative = |j: usize| (pattern >> j) & 1 == 1;
+                let others = (0..further).map(|j| if negative(j) { -1.0 } else { 1.0 });
+                waves.push(Wave {
+                    hz,
+                    phase_rad: TAU * phase as f64 / c.disturbance_phases as f64,
+                    signs: std::iter::once(1.0).chain(others).collect(),
+                });
+            }
+        }
+    }
+    waves
 }
 
 /// `count` values evenly spread from `min` to `max`; `min` alone for one.
@@ -209,8 +242,9 @@ fn plus(a: VehicleState, b: VehicleState) -> VehicleState {
 
 /// Effect of the disturbances on the state's derivative at time `t`, every one at its bound.
 fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> VehicleState {
-    let wave = (TAU * drive.disturbance_hz * t + drive.disturbance_phase_rad).cos();
-    let channels = spec.disturbance.iter().zip(&drive.disturbance_signs);
+    let Wave { hz, phase_rad, signs } = &drive.disturbance;
+    let wave = (TAU * hz * t + phase_rad).cos();
+    let channels = spec.disturbance.iter().zip(signs);
     channels.fold([0.0; 3], |sum, (disturbance, sign)| {
         let amplitude = sign * disturbance.bound() * wave;
         plus(sum, disturbance.direction(&spec.vehicle).map(|x| amplitude * x))

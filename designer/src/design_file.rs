@@ -224,8 +224,12 @@ pub struct Performance {
 pub struct FrozenRecord {
     /// Smallest gain from the fault over its band, per rad or N m.
     pub beta: f64,
+    /// What lies between the frequencies of the grid included.
+    pub beta_at_least: f64,
     /// Largest gain from the disturbances over their band, per unit of the first.
     pub gamma: f64,
+    /// What lies between the frequencies of the grid included.
+    pub gamma_at_most: f64,
     /// `beta / gamma`, each channel in units of its smallest fault and of its bound.
     pub gap: f64,
 }
@@ -233,8 +237,9 @@ pub struct FrozenRecord {
 impl FrozenRecord {
     /// With the gap of `frozen` in units of the smallest fault and the first bound.
     pub fn new(frozen: Frozen, smallest_fault: f64, bound: f64) -> Self {
-        let Frozen { beta, gamma } = frozen;
-        Self { beta, gamma, gap: beta * smallest_fault / (gamma * bound) }
+        let Frozen { beta, beta_at_least, gamma, gamma_at_most } = frozen;
+        let gap = beta * smallest_fault / (gamma * bound);
+        Self { beta, beta_at_least, gamma, gamma_at_most, gap }
     }
 }
 

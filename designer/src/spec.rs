@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{Interval, MAX_WINDOW, OperatingRange, TsModel, Vehicle};
 
+use crate::calibration;
 use crate::lmi::Matrix;
 use crate::spec_error::{Allowed, SpecError, parse};
 use crate::theorem4::{Band, Channel, Multipliers};
@@ -586,8 +587,8 @@ impl Spec {
             self.band(&format!("fault[{index}]"), fault.band_hz())?;
         }
 
-        let some = "at least one disturbance";
-        SpecError::unless(!self.disturbance.is_empty(), "disturbance", 0, some)?;
+        let count = self.disturbance.len();
+        SpecError::unless((1..=8).contains(&count), "disturbance", count, "from 1 to 8 of them")?;
         for (index, disturbance) in self.disturbance.iter().enumerate() {
             let key = format!("disturbance[{index}]");
             let (bound_key, bound) = match disturbance {
@@ -672,6 +673,14 @@ impl Spec {
             let key = "evaluation.calibration.lateral_acceleration_m_per_s2";
             Allowed::POSITIVE.check(key, a_y)?;
         }
+        let drives = calibration::count(self);
+        let most = 100_000;
+        SpecError::unless(
+            drives <= most,
+            "evaluation.calibration",
+            format_args!("{drives} drives"),
+            &format!("at most {most} drives in all"),
+        )?;
         let [min, max] = self.operating_range.v_y_m_per_s;
         for &v_y in &c.initial_v_y_m_per_s {
             Allowed::between(min, max).check("evaluation.calibration.initial_v_y_m_per_s", v_y)?;
@@ -733,7 +742,7 @@ impl Spec {
     ///
     /// # Errors
     /// [`SpecError`] for a band that is not possible.
-    pub fn disturbance_channel(&self) -> Result<Channel, SpecError> {
+    pub(crate) fn disturbance_channel(&self) -> Result<Channel, SpecError> {
         let mut direction = self.d();
         for (mut column, disturbance) in direction.column_iter_mut().zip(&self.disturbance) {
             column *= disturbance.bound() / self.disturbance[0].bound();
@@ -746,7 +755,7 @@ impl Spec {
     ///
     /// # Errors
     /// [`SpecError`] for a band that is not possible.
-    pub fn fault_channel(&self) -> Result<Channel, SpecError> {
+    pub(crate) fn fault_channel(&self) -> Result<Channel, SpecError> {
         Ok(Channel { direction: self.f(), band: self.band("fault[0]", self.fault[0].band_hz())? })
     }
 

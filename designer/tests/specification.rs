@@ -1,0 +1,191 @@
+//! Specifications as users write them: the paper's file, and every kind of mistake.
+
+use steerguard_designer::spec::{Disturbance, Fault, MultiplierV};
+use steerguard_designer::{Spec, SpecError};
+
+const PAPER: &str = include_str!("../../examples/paper.toml");
+
+#[test]
+fn papers_file_spells_out_the_defaults() {
+    assert_eq!(Spec::from_toml(PAPER).unwrap(), Spec::default());
+    assert_eq!(Spec::from_toml("").unwrap(), Spec::default());
+}
+
+#[test]
+fn papers_file_names_every_key() {
+    let of_file: toml::Table = PAPER.parse().unwrap();
+    let of_spec = toml::Table::try_from(Spec::default()).unwrap();
+    assert_eq!(of_file, of_spec);
+}
+
+#[test]
+fn a_specification_names_only_what_differs() {
+    let spec = Spec::from_toml(
+        r#"
+        vehicle.mass_kg = 2000
+        [[fault]]
+        channel = "torque"
+        smallest_n_m = 50
+        [[disturbance]]
+        name = "bank"
+        kind = "bank"
+        bound_deg = 3
+        band_hz = [0, 50]
+        [[disturbance]]
+        name = "gust"
+        kind = "yaw_moment"
+        bound_n_m = 100
+        band_hz = [0, 50]
+        [design]
+        V = [0, 1, 2]
+        "#,
+    )
+    .unwrap();
+    assert_eq!(spec.vehicle.mass_kg, 2000.0);
+    assert_eq!(spec.vehicle.yaw_inertia_kg_m2, 1810.0);
+    assert_eq!(spec.fault, [Fault::Torque { smallest_n_m: 50.0, band_hz: [0.0, 1.5] }]);
+    assert_eq!(spec.disturbance[1].direction(&spec.vehicle), [0.0, 0.0, 1.0 / 1810.0]);
+    assert_eq!(spec.design.v, MultiplierV::Given([0.0, 1.0, 2.0]));
+}
+
+#[test]
+fn disturbances_act_as_documented() {
+    let vehicle = Spec::default().vehicle;
+    let bank = Disturbance::Bank { name: "bank".into(), bound_deg: 3.0, band_hz: [0.0, 1.5] };
+    let [_, lateral, yaw] = bank.direction(&vehicle);
+    // With the left side raised by one degree, gravity pulls to the right.
+    assert!((lateral + 9.80665 * std::f64::consts::PI / 180.0).abs() < 1e-15);
+    assert_eq!(yaw, 0.0);
+    let d = Spec::default().d();
+    assert_eq!(d[1], 0.01);
+    assert!((d[2] - 0.00203867).abs() < 1e-8, "METHOD.md 7");
+}
+
+/// The message for a specification that shall be refused.
+fn refusal(text: &str) -> String {
+    Spec::from_toml(text).expect_err(text).to_string()
+}
+
+#[test]
+fn mistakes_are_named_by_key_value_and_allowed_range() {
+    let disturbance = "[[disturbance]]\nname = 'd'\n";
+    for (text, parts) in [
+        // Keys.
+        ("[vehicle", &["not valid TOML", "line 1"][..]),
+        ("[vehicle]\nmass_g = 1", &["`vehicle.mass_g`", "did you mean `mass_kg`?", "unit"]),
+        (
+            "[vehicle]\ncornering_stiffness_n_per_deg = 1",
+            &["`vehicle.cornering_stiffness_n_per_deg`", "cornering_stiffness_n_per_rad`?"],
+        ),
+        ("[vehicel]", &["unknown key `vehicel`", "did you mean `vehicle`?"]),
+        ("[sampling]\nfrequency_hz = 100", &["`sampling.frequency_hz`", "known here are period_s"]),
+        (
+            "[evaluation.calibration]\nspeed = 3",
+            &["`evaluation.calibration.speed`", "did you mean `speeds`?"],
+        ),
+        ("[noise]\nr = 1", &["`noise`", "not part of method \"paper\""]),
+        (
+            "[[fault]]\nchannel = 'steering'\nsmallest_rad = 1",
+            &["`fault[0].smallest_rad`", "did you mean `smallest_deg`?"],
+        ),
+        ("[[fault]]\nchannel = 'steering'\nsmallest_n_m = 1", &["`fault[0].smallest_n_m`"]),
+        ("[[fault]]\nsmallest_deg = 1", &["`fault[0]`", "channel"]),
+        ("[[fault]]\nchannel = 'torque'", &["`fault[0]`", "smallest_n_m"]),
+        ("[[fault]]\nchannel = 'brake'", &["`fault[0]", "brake", "steering"]),
+        // Types.
+        ("vehicle.mass_kg = 'heavy'", &["`vehicle.mass_kg`", "heavy"]),
+        ("operating_range.v_x_m_per_s = [5]", &["`operating_range.v_x_m_per_s"]),
+        ("evaluation.window_samples = -1", &["`evaluation.window_samples`", "-1"]),
+        ("design.V = \"G'\"", &["`design.V`", "three numbers"]),
+        ("design.method = 'gap'", &["`design.method`", "gap", "paper"]),
+        ("evaluation.threshold = 'guaranteed'", &["`evaluation.threshold`", "calibrated"]),
+        // Vehicle.
+        ("vehicle.mass_kg = 0", &["`vehicle.mass_kg` = 0.0", "> 0"]),
+        ("vehicle.yaw_inertia_kg_m2 = -1", &["`vehicle.yaw_inertia_kg_m2` = -1.0"]),
+        ("vehicle.front_axle_distance_m = nan", &["`vehicle.front_axle_distance_m` = NaN"]),
+        ("vehicle.rear_cornering_stiffness_n_per_rad = inf", &["= inf", "finite"]),
+        ("vehicle.lateral_drag_n_s2_per_m2 = -0.1", &["= -0.1", ">= 0"]),
+        // Ranges.
+        ("operating_range.v_x_m_per_s = [0, 30]", &["[0.0, 30.0]", "min > 0"]),
+        ("operating_range.v_x_m_per_s = [30, 5]", &["[30.0, 5.0]", "min < max"]),
+        ("operating_range.v_y_m_per_s = [0.1, 1]", &["[0.1, 1.0]", "min < 0 < max"]),
+        ("operating_range.r_rad_per_s = [-1, nan]", &["`operating_range.r_rad_per_s`", "finite"]),
+        (
+            "operating_range.v_x_hysteresis_m_per_s = 12.5",
+            &["v_x_hysteresis_m_per_s` = 12.5", "below half the range's width, 12.5"],
+        ),
+        ("operating_range.r_hysteresis_rad_per_s = -0.1", &["= -0.1"]),
+        // Sampling.
+        ("sampling.period_s = 0", &["`sampling.period_s` = 0.0", "from 0.0001 to 0.1"]),
+        ("sampling.period_s = 0.05", &["v_x_m_per_s", "above 11.258", "sampling.period_s = 0.05"]),
+        ("operating_range.v_x_m_per_s = [1, 30]", &["[1.0, 30.0]", "above 2.25"]),
+        // Channels.
+        ("fault = []", &["`fault` = 0", "one fault"]),
+        (
+            "[[fault]]\nchannel = 'steering'\n[[fault]]\nchannel = 'steering'",
+            &["`fault` = 2", "one fault"],
+        ),
+        ("[[fault]]\nchannel = 'steering'\nsmallest_deg = 0", &["`fault[0].smallest_deg` = 0.0"]),
+        (
+            "[[fault]]\nchannel = 'steering'\nband_hz = [0, 51]",
+            &["`fault[0].band_hz` = [0.0, 51.0]", "50 Hz, the Nyquist frequency"],
+        ),
+        (
+            "[[fault]]\nchannel = 'steering'\nband_hz = [1, 2]",
+            &["`fault[0].band_hz` = [1.0, 2.0]", "middle bands"],
+        ),
+        ("[[fault]]\nchannel = 'steering'\nband_hz = [2, 1]", &["[2.0, 1.0]", "from < to"]),
+        ("disturbance = []", &["`disturbance` = 0", "from 1 to 8"]),
+        (
+            &format!("{disturbance}kind = 'side_wind'\nbound_m_per_s2 = -1"),
+            &["`disturbance[0].bound_m_per_s2` = -1.0"],
+        ),
+        (
+            &format!("{disturbance}kind = 'side_wind'\nbound_deg = 1"),
+            &["`disturbance[0].bound_deg`"],
+        ),
+        (&format!("{disturbance}kind = 'hail'"), &["`disturbance[0]", "hail", "side_wind"]),
+        (
+            &format!("{disturbance}kind = 'direction'\ndirection = [0, 0, 0]\nbound = 1"),
+            &["`disturbance[0].direction`", "not all zero"],
+        ),
+        (
+            &format!(
+                "{disturbance}kind = 'bank'\nbound_deg = 1\n{disturbance}kind = 'bank'\n\
+                 bound_deg = 1\nband_hz = [0, 3]"
+            ),
+            &["`disturbance[1].band_hz`", "one band"],
+        ),
+        // Design and evaluation.
+        ("design.gamma = 0", &["`design.gamma` = 0.0"]),
+        ("design.alpha_d = inf", &["`design.alpha_d` = inf"]),
+        ("design.V = [0, 1, 0]", &["`design.V` = [0.0, 1.0, 0.0]", "||C V'||"]),
+        ("design.decay = 1", &["`design.decay` = 1.0", "between 0 and 1"]),
+        ("design.beta_fraction = 1.01", &["`design.beta_fraction` = 1.01"]),
+        ("evaluation.window_samples = 257", &["= 257", "from 1 to 256"]),
+        ("evaluation.window_samples = 0", &["= 0", "from 1 to 256"]),
+        ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
+        ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
+        ("evaluation.debounce_samples = 0", &["`evaluation.debounce_samples` = 0"]),
+        ("evaluation.calibration.speeds = 0", &["calibration.speeds` = 0"]),
+        ("evaluation.calibration.manoeuvres = []", &["calibration.manoeuvres` = 0"]),
+        ("evaluation.calibration.manoeuvres = ['jump']", &["manoeuvres[0]", "jump", "weave"]),
+        ("evaluation.calibration.initial_v_y_m_per_s = [2]", &["= 2.0", "from -1.5 to 1.5"]),
+        ("evaluation.calibration.duration_s = 1", &["duration_s` = 1.0"]),
+        (
+            "[evaluation.calibration]\nspeeds = 100\ndisturbance_phases = 100",
+            &["`evaluation.calibration` = 1170000 drives", "at most 100000"],
+        ),
+    ] {
+        let message = refusal(text);
+        for part in parts {
+            assert!(message.contains(part), "{text}\ngave: {message}\nwithout: {part}");
+        }
+    }
+}
+
+#[test]
+fn errors_can_be_matched() {
+    let error = Spec::from_toml("design.gama = 1").unwrap_err();
+    assert!(matches!(error, SpecError::UnknownKey { ref key, .. } if key == "design.gama"));
+}
