@@ -1,4 +1,5 @@
-//! The paper's Fig. 1 for each run: J against its threshold, the fault below, the alarm behind both.
+//! The paper's Fig. 1 for each run: J against its threshold on a logarithmic axis, the fault below, the
+//! alarm behind both. All runs share their axes.
 
 use std::ops::Range;
 
@@ -6,7 +7,7 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use crate::cosimulation::Run;
+use crate::cosimulation::{Run, Sample};
 use crate::detection::Detection;
 
 /// Pixels of the drawing per pixel of the figure: lines are drawn to whole pixels.
@@ -47,6 +48,7 @@ pub fn svg(runs: &[(Run, Detection)]) -> Result<String, PlotError> {
     let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + LEGEND);
     let drawn = (size.0 * SCALE, size.1 * SCALE);
 
+    let (decades, degrees) = (decades(runs), degrees(runs));
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, drawn).into_drawing_area();
@@ -54,7 +56,7 @@ pub fn svg(runs: &[(Run, Detection)]) -> Result<String, PlotError> {
         let (legend, panels) = root.split_vertically(LEGEND * SCALE);
         draw_legend(&legend)?;
         for (panel, (run, detection)) in panels.split_evenly((rows, columns)).iter().zip(runs) {
-            draw_run(panel, run, detection)?;
+            draw_run(panel, run, detection, &decades, &degrees)?;
         }
         root.present()?;
     }
@@ -87,36 +89,51 @@ fn draw_legend(area: &Area<'_>) -> Result<(), PlotError> {
     Ok(())
 }
 
-fn draw_run(panel: &Area<'_>, run: &Run, detection: &Detection) -> Result<(), PlotError> {
+fn draw_run(
+    panel: &Area<'_>,
+    run: &Run,
+    detection: &Detection,
+    decades: &Range<f64>,
+    degrees: &Range<f64>,
+) -> Result<(), PlotError> {
     let (upper, lower) = panel.split_vertically(PANEL.1 * SCALE * 64 / 100);
     let end = run.samples.len() as f64 * run.step_s;
-    let largest = |value: &dyn Fn(usize) -> f64, least: f64| {
-        (0..run.samples.len()).map(value).filter(|x| x.is_finite()).fold(least, f64::max)
+    let series = |value: &dyn Fn(&Sample) -> f64| -> Vec<(f64, f64)> {
+        run.samples.iter().map(|sample| (sample.time, value(sample))).collect()
     };
-    let degrees = |k: usize| run.samples.get(k).map_or(0.0, |sample| sample.fault.to_degrees());
-    let j = |k: usize| run.samples.get(k).map_or(0.0, |sample| sample.j_rms.max(sample.j_th));
+    let decade = |j: f64| j.log10().max(decades.start);
 
-    let top = 1.08 * largest(&j, 1e-9);
-    let mut chart = axes(&upper, &title(detection), end, 0.0..top, "J", None)?;
-    shade_alarm(&mut chart, run, 0.0..top)?;
-    let series = |value: fn(&crate::cosimulation::Sample) -> f64| {
-        run.samples.iter().map(move |sample| (sample.time, value(sample)))
-    };
-    chart.draw_series(LineSeries::new(series(|sample| sample.j_rms), line(J_RMS, 14)))?;
+    let axis = Axis { label: "J", range: decades.clone(), ticks: 5, text: power_of_ten };
+    let mut chart = axes(&upper, &title(detection), end, &axis, None)?;
+    shade_alarm(&mut chart, run, decades)?;
     let (dash, gap) = (5 * SCALE, 3 * SCALE);
-    chart.draw_series(DashedLineSeries::new(
-        series(|sample| sample.j_th),
-        dash,
-        gap,
-        line(J_TH, 14),
-    ))?;
+    let j_th = series(&|sample| decade(sample.j_th));
+    chart.draw_series(DashedLineSeries::new(j_th, dash, gap, line(J_TH, 14)))?;
+    chart.draw_series(LineSeries::new(series(&|sample| decade(sample.j_rms)), line(J_RMS, 14)))?;
 
-    let (low, high) = (-largest(&|k| -degrees(k), 0.0), largest(&degrees, 1e-9));
-    let range = 1.15 * low..1.15 * high;
-    let mut chart = axes(&lower, "", end, range.clone(), "fault [deg]", Some("time [s]"))?;
-    shade_alarm(&mut chart, run, range)?;
-    chart.draw_series(LineSeries::new(series(|s| s.fault.to_degrees()), line(FAULT, 14)))?;
+    let axis = Axis { label: "fault [deg]", range: degrees.clone(), ticks: 3, text: decimal };
+    let mut chart = axes(&lower, "", end, &axis, Some("time [s]"))?;
+    shade_alarm(&mut chart, run, degrees)?;
+    chart.draw_series(LineSeries::new(series(&|s| s.fault.to_degrees()), line(FAULT, 14)))?;
     Ok(())
+}
+
+/// Decades of J that all runs are drawn over: from a hundredth of the lowest threshold.
+fn decades(runs: &[(Run, Detection)]) -> Range<f64> {
+    let samples = || runs.iter().flat_map(|(run, _)| &run.samples);
+    let lowest = samples().map(|sample| sample.j_th).fold(1.0, f64::min).max(1e-30);
+    let highest = samples().map(|s| s.j_rms.max(s.j_th)).fold(lowest, f64::max);
+    (lowest.log10() - 2.0).floor()..(1.2 * highest).log10()
+}
+
+/// Degrees of fault that all runs are drawn over.
+fn degrees(runs: &[(Run, Detection)]) -> Range<f64> {
+    let faults = || {
+        let samples = runs.iter().flat_map(|(run, _)| &run.samples);
+        samples.map(|sample| sample.fault.to_degrees())
+    };
+    let (lowest, highest) = (faults().fold(0.0, f64::min), faults().fold(0.0, f64::max));
+    1.15 * lowest..(1.15 * highest).max(1e-3)
 }
 
 fn title(detection: &Detection) -> String {
@@ -131,41 +148,60 @@ fn title(detection: &Detection) -> String {
     }
 }
 
+/// A vertical axis.
+struct Axis {
+    label: &'static str,
+    range: Range<f64>,
+    ticks: usize,
+    text: fn(&f64) -> String,
+}
+
+fn decimal(y: &f64) -> String {
+    format!("{}", (y * 1e6).round() / 1e6)
+}
+
+/// `10^y` for whole y.
+fn power_of_ten(y: &f64) -> String {
+    if (y - y.round()).abs() > 1e-6 {
+        return String::new();
+    }
+    let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+    let superscript = |c: char| match c.to_digit(10) {
+        Some(digit) => digits.chars().nth(digit as usize).unwrap_or(c),
+        None => '⁻',
+    };
+    let exponent: String = format!("{:.0}", y.round()).chars().map(superscript).collect();
+    format!("10{exponent}")
+}
+
 fn axes<'a, 'b>(
     area: &'a Area<'b>,
     title: &str,
     end: f64,
-    range: Range<f64>,
-    y_label: &str,
+    axis: &Axis,
     x_label: Option<&str>,
 ) -> Result<Chart<'a, 'b>, PlotError> {
     let mut builder = ChartBuilder::on(area);
     builder.margin_left(8 * SCALE).margin_right(16 * SCALE).margin_top(4 * SCALE);
-    if x_label.is_some() {
-        builder.margin_bottom(14 * SCALE);
-    }
-    builder.set_label_area_size(LabelAreaPosition::Left, 62 * SCALE);
-    builder.set_label_area_size(
-        LabelAreaPosition::Bottom,
-        if x_label.is_some() { 34 * SCALE } else { 6 * SCALE },
-    );
+    let below = if x_label.is_some() { (14, 34) } else { (0, 6) };
+    builder.margin_bottom(below.0 * SCALE);
+    builder.set_label_area_size(LabelAreaPosition::Bottom, below.1 * SCALE);
+    builder.set_label_area_size(LabelAreaPosition::Left, 56 * SCALE);
     if !title.is_empty() {
         builder.caption(title, font(13));
     }
-    let mut chart = builder.build_cartesian_2d(0.0..end, range.clone())?;
-    let decimals = decimals(range.end - range.start);
-    let y_format = move |y: &f64| format!("{y:.decimals$}");
+    let mut chart = builder.build_cartesian_2d(0.0..end, axis.range.clone())?;
     let mut mesh = chart.configure_mesh();
     mesh.light_line_style(TRANSPARENT)
         .bold_line_style(line(GRID, 7))
         .axis_style(line(AXIS, 8))
         .label_style(font(11))
         .axis_desc_style(font(12))
-        .y_desc(y_label)
-        .y_labels(if x_label.is_some() { 3 } else { 5 })
-        .y_label_formatter(&y_format)
+        .y_desc(axis.label)
+        .y_labels(axis.ticks)
+        .y_label_formatter(&axis.text)
         .x_labels(if x_label.is_some() { 6 } else { 0 })
-        .x_label_formatter(&|x| format!("{x}"));
+        .x_label_formatter(&decimal);
     if let Some(label) = x_label {
         mesh.x_desc(label);
     }
@@ -173,13 +209,8 @@ fn axes<'a, 'b>(
     Ok(chart)
 }
 
-/// Decimals that tell the ticks of an axis of the given length apart.
-fn decimals(length: f64) -> usize {
-    (1.0 - (length / 2.0).log10().floor()).clamp(0.0, 12.0) as usize
-}
-
 /// Fills the time in which the alarm is on.
-fn shade_alarm(chart: &mut Chart<'_, '_>, run: &Run, range: Range<f64>) -> Result<(), PlotError> {
+fn shade_alarm(chart: &mut Chart<'_, '_>, run: &Run, range: &Range<f64>) -> Result<(), PlotError> {
     let boxes = run.samples.chunk_by(|a, b| a.alarm == b.alarm).filter_map(|episode| {
         let (first, last) = (episode.first()?, episode.last()?);
         let corners = [(first.time, range.start), (last.time + run.step_s, range.end)];

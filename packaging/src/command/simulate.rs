@@ -35,7 +35,6 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
             Scenario::read(path).map_err(|error| Failure::from(error).at(path.display()))?
         }
     };
-    output::create_folder(&arguments.output)?;
     let progress = Progress::new();
     let folder = tempfile::tempdir()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
@@ -56,6 +55,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
             open(&path)?
         }
     };
+    output::create_folder(&arguments.output)?;
     let simulation = simulate(&detector, &plant, &scenario, &progress)?;
     let files = write(&simulation, &arguments.output)?;
     drop(progress);

@@ -1,0 +1,252 @@
+//! The command as users run it: results, exit codes, errors.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use tempfile::TempDir;
+
+/// The paper's vehicle with a short calibration.
+const SPEC: &str = "\
+[evaluation.calibration]
+speeds = 2
+manoeuvres = [\"straight\"]
+lateral_acceleration_m_per_s2 = [1.0]
+disturbance_frequencies = 1
+disturbance_phases = 1
+initial_v_y_m_per_s = [0.0]
+duration_s = 2.0
+";
+
+fn steerguard(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_steerguard"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Runs what must succeed and returns its standard output.
+fn success(folder: &Path, arguments: &[&str]) -> String {
+    let output = steerguard(folder, arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
+    assert_eq!(error, "", "{arguments:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Runs what must fail with `code`, print no result, and name all `parts` in its error.
+fn failure(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
+    let output = steerguard(folder, arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
+    assert_eq!(output.stdout, b"", "{arguments:?}");
+    assert!(error.starts_with("error: "), "{arguments:?}: {error}");
+    for part in parts {
+        assert!(error.contains(part), "{arguments:?}: `{part}` is missing in\n{error}");
+    }
+}
+
+/// A folder with `spec.toml` and its `design.json`, made once.
+fn designed() -> &'static TempDir {
+    static FOLDER: OnceLock<TempDir> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("spec.toml"), SPEC).unwrap();
+        let text = success(folder.path(), &["design", "spec.toml"]);
+        for part in ["certified", "beta", "bound", "gamma", "spectral radius", "design.json"] {
+            assert!(text.contains(part), "{text}");
+        }
+        folder
+    })
+}
+
+/// A folder of its own with copies of the spec and the design.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["spec.toml", "design.json"] {
+        fs::copy(designed().path().join(name), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+fn entries(folder: &TempDir) -> Vec<String> {
+    let entries = fs::read_dir(folder.path()).unwrap();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_sound_design_is_verified_and_a_changed_one_is_not() {
+    let folder = folder();
+    assert!(success(folder.path(), &["verify", "design.json"]).contains("holds"));
+    let json = success(folder.path(), &["verify", "design.json", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(value["holds"], true);
+
+    let design = fs::read_to_string(folder.path().join("design.json")).unwrap();
+    let changed = design.replacen("\"debounce_samples\": 1", "\"debounce_samples\": 2", 1);
+    assert_ne!(design, changed);
+    fs::write(folder.path().join("changed.json"), changed).unwrap();
+    failure(folder.path(), &["verify", "changed.json"], 1, &["hash", "changed.json", "help: "]);
+    failure(folder.path(), &["package", "changed.json"], 2, &["hash"]);
+}
+
+#[test]
+fn packaging_from_design_or_specification_gives_the_same_bytes() {
+    let folder = folder();
+    success(folder.path(), &["package", "design.json", "-o", "a.fmu", "--plant", "p.fmu"]);
+    success(folder.path(), &["package", "design.json", "-o", "b.fmu"]);
+    success(folder.path(), &["package", "spec.toml", "-o", "c.fmu"]);
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("a.fmu"), read("b.fmu"));
+    assert_eq!(read("a.fmu"), read("c.fmu"));
+    let names = ["a.fmu", "b.fmu", "c.fmu", "design.json", "p.fmu", "spec.toml"];
+    assert_eq!(entries(&folder), names);
+}
+
+#[test]
+fn fmus_are_simulated_with_a_scenario() {
+    let folder = folder();
+    success(folder.path(), &["package", "design.json", "--plant", "p.fmu"]);
+    let scenario = "duration_s = 6.0\ninitial_speeds_m_per_s = [15.0]\n";
+    fs::write(folder.path().join("drive.toml"), scenario).unwrap();
+    let json = success(
+        folder.path(),
+        &[
+            "simulate",
+            "--detector=SteeringFaultDetector.fmu",
+            "--plant=p.fmu",
+            "--scenario=drive.toml",
+            "-o=out",
+            "--json",
+        ],
+    );
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(value["detections"][0]["fault_onset_s"], 5.0);
+    let csv = fs::read_to_string(folder.path().join("out/run-15mps.csv")).unwrap();
+    assert!(csv.starts_with("time,v_x,r,u.T_eng,u.delta,fault,"), "{}", &csv[..80]);
+    assert_eq!(csv.lines().count(), 601);
+    let plot = fs::read_to_string(folder.path().join("out/detection.svg")).unwrap();
+    assert!(plot.starts_with("<svg") && plot.trim_end().ends_with("</svg>"));
+}
+
+#[test]
+fn the_printed_scenario_is_a_scenario() {
+    let folder = folder();
+    let text = success(folder.path(), &["simulate", "--print-scenario"]);
+    steerguard::scenario::Scenario::parse(&text).unwrap();
+}
+
+#[test]
+fn bad_specifications_name_the_key_and_leave_no_file() {
+    for (text, parts) in [
+        ("[vehicle", vec!["TOML"]),
+        ("[vehicle]\nmass = 3", vec!["vehicle.mass", "help: "]),
+        ("[vehicle]\nmass_kg = -1", vec!["vehicle.mass_kg", "-1"]),
+        ("[vehicle]\nmass_kg = \"heavy\"", vec!["vehicle.mass_kg"]),
+        ("[sampling]\nperiod_s = 0", vec!["sampling.period_s"]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("spec.toml"), text).unwrap();
+        failure(folder.path(), &["design", "spec.toml"], 2, &parts);
+        failure(folder.path(), &["package", "spec.toml"], 2, &parts);
+        assert_eq!(entries(&folder), ["spec.toml"]);
+    }
+}
+
+#[test]
+fn an_infeasible_specification_is_a_no() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("spec.toml"), "[design]\ngamma = 1e-9\n").unwrap();
+    failure(folder.path(), &["design", "spec.toml"], 1, &["infeasible", "(31)", "spec.toml"]);
+    assert_eq!(entries(&folder), ["spec.toml"]);
+}
+
+#[test]
+fn bad_files_are_named() {
+    let folder = folder();
+    let path = folder.path();
+    failure(path, &["design", "missing.toml"], 2, &["missing.toml", "help: "]);
+    failure(path, &["verify", "missing.json"], 2, &["missing.json"]);
+    failure(path, &["verify", "spec.toml"], 2, &["not a design file", "spec.toml"]);
+    failure(path, &["simulate", "--detector", "spec.toml"], 2, &["spec.toml", "zip"]);
+    failure(path, &["simulate", "--scenario", "missing.toml"], 2, &["missing.toml"]);
+    fs::write(path.join("drive.toml"), "duration = 3\n").unwrap();
+    failure(path, &["simulate", "--scenario", "drive.toml"], 2, &["duration", "drive.toml"]);
+    failure(
+        path,
+        &["package", "design.json", "--runtime", "win64=spec.toml"],
+        2,
+        &["win64", "help: "],
+    );
+    assert_eq!(entries(&folder), ["design.json", "drive.toml", "spec.toml"]);
+}
+
+#[test]
+fn what_cannot_be_written_is_named() {
+    let folder = folder();
+    let path = folder.path();
+    failure(path, &["design", "spec.toml", "-o", "no/d.json"], 2, &["no/d.json", "help: "]);
+    failure(path, &["package", "design.json", "-o", "no/x.fmu"], 2, &["no/x.fmu"]);
+    fs::create_dir(path.join("taken")).unwrap();
+    fs::write(path.join("taken/file"), "").unwrap();
+    failure(path, &["package", "design.json", "-o", "taken"], 2, &["taken"]);
+    failure(path, &["--out", "spec.toml/out"], 2, &["spec.toml/out"]);
+    assert_eq!(entries(&folder), ["design.json", "spec.toml", "taken"]);
+}
+
+#[test]
+fn bad_usage_is_explained() {
+    let folder = folder();
+    for arguments in [
+        &["fly"][..],
+        &["package"],
+        &["design", "spec.toml", "--fast"],
+        &["package", "design.json", "--runtime", "amiga=x"],
+    ] {
+        failure(folder.path(), arguments, 2, &["help"]);
+    }
+    let help = success(folder.path(), &["--help"]);
+    assert!(help.contains("Examples:") && help.contains("Exit status"), "{help}");
+}
+
+/// What a newcomer sees first.
+#[test]
+fn the_main_job_detects_the_fault_in_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = success(folder.path(), &["--out", "results", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+
+    let design = &value["design"];
+    assert_eq!(design["status"], "certified");
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    assert!((number(&design["largest_beta"]) - 0.355856).abs() < 1e-3);
+    assert!((number(&design["beta_bound"]) - 0.355856).abs() < 1e-6);
+    assert_eq!(value["check"]["holds"], true);
+
+    let detections = value["detections"].as_array().unwrap();
+    assert_eq!(detections.len(), 4);
+    for detection in detections {
+        assert_eq!(detection["false_alarms"], 0, "{detection}");
+        assert_eq!(detection["fault_onset_s"], 5.0, "{detection}");
+        let speed = number(&detection["initial_speed_m_per_s"]);
+        if speed == 5.0 {
+            continue; // the edge of the range: reported, not promised
+        }
+        assert_eq!(detection["monitored_share"], 1.0, "{detection}");
+        assert!(number(&detection["delay_s"]) <= 0.10 + 1e-9, "{detection}");
+        let reached = number(&detection["largest_faulty_j"]);
+        assert!(number(&detection["threshold"]) <= reached / 2.0, "{detection}");
+    }
+    let files = &value["files"];
+    let mut paths = vec![&files["design"], &files["plot"]];
+    paths.extend(files["fmus"].as_array().unwrap().iter().map(|fmu| &fmu["file"]));
+    paths.extend(files["csv"].as_array().unwrap());
+    for path in paths {
+        assert!(folder.path().join(path.as_str().unwrap()).is_file(), "{path}");
+    }
+}
