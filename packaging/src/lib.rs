@@ -15,6 +15,7 @@ pub mod package;
 pub mod platform;
 pub mod plot;
 pub mod progress;
+pub mod recheck;
 pub mod report;
 pub mod runtime;
 pub mod scenario;

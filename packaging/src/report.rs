@@ -6,20 +6,34 @@ use crate::table::aligned;
 /// One line for each run, and remarks below.
 pub fn detection_table<'a>(detections: impl Iterator<Item = &'a Detection>) -> String {
     let head = [
-        ["v_x(0)", "fault", "alarm", "delay", "J without fault", "threshold", "J with", "false"],
-        ["m/s", "s", "s", "s", "after 2 s", "J_th", "fault", "alarms"],
+        [
+            "v_x(0)",
+            "fault",
+            "alarm",
+            "delay",
+            "J no fault",
+            "J no fault",
+            "J_th",
+            "J fault",
+            "false",
+        ],
+        ["m/s", "s", "s", "s", "largest", "after 2 s", "", "largest", "alarms"],
     ];
     let mut rows: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
     let mut remarks = String::new();
     for d in detections {
+        let j = |j: f64| {
+            if d.monitored_share > 0.0 { format!("{j:.6}") } else { "-".to_owned() }
+        };
         rows.push(vec![
             d.initial_speed_m_per_s.to_string(),
             seconds(d.fault_onset_s),
             seconds(d.alarm_s),
             seconds(d.delay_s),
-            format!("{:.6}", d.largest_fault_free_j_after_start_up),
-            format!("{:.6}", d.threshold),
-            format!("{:.6}", d.largest_faulty_j),
+            j(d.largest_fault_free_j),
+            j(d.largest_fault_free_j_after_start_up),
+            j(d.threshold),
+            j(d.largest_faulty_j),
             d.false_alarms.to_string(),
         ]);
         if d.monitored_share < 1.0 {

@@ -9,6 +9,7 @@ use steerguard_designer::{Design, DesignFileError};
 use super::{input, print};
 use crate::cli::VerifyArguments;
 use crate::failure::{Exit, Failure};
+use crate::recheck::recheck;
 
 /// Result of the re-check.
 #[derive(Serialize)]
@@ -36,7 +37,7 @@ impl Outcome {
 
 pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
     let outcome = check(&arguments.design)?;
-    let text = format!("{}\n{}", outcome.line(), outcome.statement);
+    let text = format!("{}\n{}\n", outcome.line(), wrapped(&outcome.statement));
     print(json, &outcome, &text)?;
     Ok(if outcome.holds { Exit::Done } else { Exit::No })
 }
@@ -50,11 +51,26 @@ pub(super) fn check(path: &Path) -> Result<Outcome, Failure> {
         }
         _ => input::refused(&error, path),
     })?;
-    let margins = design.certificate.margins;
+    let margins = recheck(&design);
     Ok(Outcome {
         holds: margins.holds(),
         hash: design.hash,
         margins,
         statement: design.certificate.statement,
     })
+}
+
+/// Lines of at most 96 columns, indented.
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::from(" ")];
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < 96 => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(format!("  {word}")),
+        }
+    }
+    lines.join("\n")
 }
