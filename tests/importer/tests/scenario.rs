@@ -167,7 +167,7 @@ fn a_state_saved_by_the_importer_restores() {
     let start = [("v_x", 15.0), ("r", 0.02), ("u.T_eng", 78.75)];
     let mut fmu = Fmu::new(&import, &start);
     let step_s = fmu.real("design.sample_period");
-    let mut run = |fmu: &mut Fmu| {
+    let run = |fmu: &mut Fmu| {
         let j = |k| {
             fmu.step(f64::from(k) * step_s, step_s);
             fmu.real("J_rms")
