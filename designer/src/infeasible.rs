@@ -4,7 +4,9 @@ use crate::synthesis::{Goal, solve};
 use crate::theorem4::Theorem4;
 
 /// Halvings of the interval that holds the smallest decay rate.
-const BISECTIONS: u32 = 8;
+const BISECTIONS: u32 = 6;
+/// Slowest decay rate worth naming.
+const SLOWEST_DECAY: f64 = 0.999;
 
 /// Which condition stands in the way of a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,14 +16,15 @@ pub enum Obstacle {
         "stability (33): no observer's error decays by {decay} a sample over the whole operating \
          range; {}",
         match smallest {
-            Some(smallest) => format!("design.decay = {smallest:.3} is possible"),
-            None => "not even by 1: narrow operating_range, or shorten sampling.period_s".into(),
+            Some(smallest) => format!("all conditions can be met with design.decay = {smallest:.3}"),
+            None => "no decay rate below 1 leaves a design: narrow operating_range, or shorten \
+                     sampling.period_s".into(),
         }
     )]
     Stability {
         /// Decay rate asked for.
         decay: f64,
-        /// A decay rate near the smallest possible, if there is one.
+        /// A decay rate, near the smallest, with which all conditions can be met, if there is one.
         smallest: Option<f64>,
     },
     /// (31) with (33).
@@ -33,7 +36,10 @@ pub enum Obstacle {
                 "the smallest is {smallest:.3e} with alpha_d = {alpha_d}: raise design.gamma, or \
                  try another design.alpha_d"
             ),
-            None => format!("none is possible with alpha_d = {alpha_d}: try another"),
+            None => format!(
+                "none is possible with alpha_d = {alpha_d}: try another design.alpha_d, or raise \
+                 design.decay"
+            ),
         }
     )]
     Disturbance {
@@ -78,7 +84,8 @@ pub enum Obstacle {
 /// Finds the obstacle to the largest beta under `gamma`.
 pub fn diagnose(theorem: &Theorem4, gamma: f64, beta_fraction: f64) -> Obstacle {
     if solve(theorem, Goal::Stability).is_err() {
-        return Obstacle::Stability { decay: theorem.decay, smallest: smallest_decay(theorem) };
+        let smallest = smallest_decay(theorem, gamma);
+        return Obstacle::Stability { decay: theorem.decay, smallest };
     }
     let smallest = solve(theorem, Goal::SmallestGamma { beta: None }).ok().map(|x| x.gamma);
     if smallest.is_none_or(|smallest| smallest > gamma) {
@@ -93,10 +100,11 @@ pub fn diagnose(theorem: &Theorem4, gamma: f64, beta_fraction: f64) -> Obstacle 
     Obstacle::Conflict { gamma, beta, gamma_at_bound: needed.ok().map(|x| x.gamma) }
 }
 
-/// A possible decay rate, near the smallest.
-fn smallest_decay(theorem: &Theorem4) -> Option<f64> {
-    let possible = |decay| solve(&Theorem4 { decay, ..theorem.clone() }, Goal::Stability).is_ok();
-    let (mut no, mut yes) = (theorem.decay, 1.0);
+/// A decay rate, near the smallest, with which all conditions can be met.
+fn smallest_decay(theorem: &Theorem4, gamma: f64) -> Option<f64> {
+    let goal = Goal::LargestBeta { gamma: Some(gamma) };
+    let possible = |decay| solve(&Theorem4 { decay, ..theorem.clone() }, goal).is_ok();
+    let (mut no, mut yes) = (theorem.decay, SLOWEST_DECAY);
     if !possible(yes) {
         return None;
     }
@@ -104,5 +112,6 @@ fn smallest_decay(theorem: &Theorem4) -> Option<f64> {
         let middle = (no + yes) / 2.0;
         if possible(middle) { yes = middle } else { no = middle }
     }
-    Some(yes)
+    // On the very edge the solver may fail: a step away from it.
+    Some(yes + (SLOWEST_DECAY - yes) / 10.0)
 }

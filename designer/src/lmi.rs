@@ -343,7 +343,7 @@ mod tests {
         let a = matrix([[1.0, 2.0], [3.0, 5.0]]);
         let x: Vec<f64> = (0..7).map(|j| 0.3 * f64::from(j) - 1.0).collect();
 
-        let expression = Affine::blocks([[(&r * &a).he() - &s, a.clone() * 2.0 * &r]]);
+        let expression = Affine::blocks([[(&r * &a).he() - &s, &(&a * 2.0) * &r]]);
 
         let (r, s) = (r.at(&x), s.at(&x));
         assert_eq!(s, s.transpose());

@@ -125,7 +125,7 @@ fn start_up_residual_obeys_its_bound_under_switching() {
     let mut largest_share = 0.0_f64;
     let mut seed = 7_u64;
     for _ in 0..200 {
-        let mut e = nalgebra::DMatrix::from_column_slice(3, 1, &[0.0, 1.5, 0.0]);
+        let mut e = nalgebra::DMatrix::<f64>::from_column_slice(3, 1, &[0.0, 1.5, 0.0]);
         for j in 0..300 {
             let residual = e[0].hypot(e[2]);
             let bound = start_up.amplitude * start_up.decay.powi(j);
@@ -192,7 +192,8 @@ fn threshold_is_the_calibrated_level_times_the_margin() {
     let e = &design.evaluation;
     near(e.threshold, e.margin * e.calibration.level, 1e-15);
     assert_eq!(e.calibration.drives, 2 * 2 * 2);
-    assert!(e.calibration.monitored > 0.9);
+    // The tightest turn at the lowest speed leaves the operating range.
+    assert!(e.calibration.monitored > 0.75 && e.calibration.monitored < 1.0);
     assert_eq!(e.calibration.worst.manoeuvre, Manoeuvre::StepSteer);
     // The budget: at most half of what the smallest fault reaches.
     assert!(e.threshold < 0.5 * design.performance.smallest_fault_residual);
@@ -293,7 +294,7 @@ fn too_fast_a_decay_is_blamed_on_stability() {
     assert!(found.to_string().contains("(33)"));
     // Its twin: the decay rate it names is possible.
     let mut twin = spec();
-    twin.design.decay = smallest + 0.01;
+    twin.design.decay = smallest;
     designed(&twin).unwrap();
 }
 
