@@ -1,0 +1,155 @@
+//! What was proven, in words and figures.
+
+use std::fmt;
+
+use crate::Refusal;
+use crate::file::{Design, Fault};
+use crate::model::Band;
+use crate::proof::{Channels, Family};
+
+/// A proven design.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// SHA-256 of the content.
+    pub hash: String,
+    /// The figures that hold.
+    pub figures: Figures,
+    /// What they mean, one theorem each.
+    pub statements: Vec<String>,
+    /// What rounding left of the observer's equations.
+    pub residues: Residues,
+    /// How far the inequalities are from failing.
+    pub margins: Vec<Margin>,
+}
+
+/// Certified figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Smallest gain from the fault, per rad or N m.
+    pub beta: f64,
+    /// Largest gain from the disturbances, per unit of the first.
+    pub gamma: f64,
+    /// `beta / gamma`, each channel in units of its smallest fault and of its bound.
+    pub gap: f64,
+    /// gamma for all frequencies.
+    pub gamma_full_band: f64,
+    /// Decay of the error a sample.
+    pub decay: f64,
+}
+
+/// Largest elements of what rounding left of the observer's equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residues {
+    /// `M - (I + E C)` (11).
+    pub m: f64,
+    /// `M A_i - N_i M - L_i C` (13).
+    pub observer_equation: f64,
+    /// `L_i - (H_i - N_i E)` (34), corrected.
+    pub l: f64,
+}
+
+/// The smallest margin of a family.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// Which.
+    pub family: Family,
+    /// Number of inequalities, all proven.
+    pub inequalities: usize,
+    /// Smallest pivot of their eliminations relative to its diagonal element, in (0, 1], rounded
+    /// for print: the proof is its exact sign.
+    pub smallest_pivot: f64,
+}
+
+impl Verdict {
+    pub(crate) fn new(
+        design: &Design,
+        hash: String,
+        figures: Figures,
+        residues: Residues,
+        margins: Vec<Margin>,
+    ) -> Result<Self, Refusal> {
+        let channels = Channels::new(design)?;
+        let statements = statements(design, &figures, &residues, &channels);
+        Ok(Self { hash, figures, statements, residues, margins })
+    }
+}
+
+/// The theorems.
+fn statements(
+    design: &Design,
+    figures: &Figures,
+    residues: &Residues,
+    channels: &Channels,
+) -> Vec<String> {
+    let Figures { beta, gamma, gap, gamma_full_band, decay } = figures;
+    let start_up = &design.evaluation.start_up;
+    let unit = match design.spec.fault[0] {
+        Fault::Steering { .. } => "rad",
+        Fault::Torque { .. } => "N m",
+    };
+    vec![
+        format!(
+            "For x and x^ in S_x and any courses of premise and rho, the error without inputs \
+             decays at least like {decay}^k."
+        ),
+        format!(
+            "For x and x^ in S_x, e_0 = 0, any courses of premise and rho, and any l2 input {}: \
+             ||r|| > beta ||f|| with beta = {beta} per {unit}.",
+            slow_error(&channels.fault_band),
+        ),
+        format!(
+            "Likewise, for any l2 input {}: ||r|| < gamma ||d|| with gamma = {gamma} per unit of \
+             the first disturbance, d the 2-norm of the stacked disturbances, each in proportion \
+             to its bound.",
+            slow_error(&channels.disturbance_band),
+        ),
+        format!(
+            "Unconditionally for any l2 input d: ||r|| < {gamma_full_band} ||d||, in the same unit."
+        ),
+        format!("The fault-to-disturbance gap of these is at least {gap}."),
+        "At constant premise and rho, beta and gamma are gains over the stated bands; where the \
+         premise varies, a band limit on the input alone does not imply the condition on the error."
+            .into(),
+        format!(
+            "From e_0 = [0, v_y, 0] in S_x, without inputs, ||W_r r_j|| <= {} * {}^j.",
+            start_up.amplitude, start_up.decay,
+        ),
+        format!(
+            "The stored gains satisfy the observer's equations up to {:.1e}: the error obeys its \
+             equation up to an additional input no larger than that times the sum of |x|, and \
+             the rounding of the detector's own arithmetic.",
+            f64::max(residues.m, residues.observer_equation),
+        ),
+    ]
+}
+
+/// The condition on the error in a band.
+fn slow_error(band: &Band) -> String {
+    let (theta, relation) = match band {
+        Band::Low(theta) => (theta.approximate(), "<="),
+        Band::High(theta) => (theta.approximate(), ">="),
+        Band::Full => return "at all".into(),
+    };
+    format!(
+        "whose error obeys sum (e+ - e)(e+ - e)' {relation} 4 sin^2({theta:.6} / 2) sum e e'"
+    )
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Figures { beta, gamma, gap, gamma_full_band, decay } = self.figures;
+        writeln!(f, "certified: design {}", self.hash)?;
+        writeln!(f, "  gap {gap:.4} = beta {beta:.6} to gamma {gamma:.6}, in units of smallest \
+                     fault and bounds")?;
+        writeln!(f, "  gamma of the full band {gamma_full_band:.6}, decay {decay} a sample")?;
+        writeln!(f, "proven in exact arithmetic, for the gains as stored:")?;
+        for statement in &self.statements {
+            writeln!(f, "  - {statement}")?;
+        }
+        writeln!(f, "margins: smallest pivot relative to its diagonal element")?;
+        for Margin { family, inequalities, smallest_pivot } in &self.margins {
+            writeln!(f, "  {family:<36}{inequalities:>4} inequalities  {smallest_pivot:.1e}")?;
+        }
+        Ok(())
+    }
+}
