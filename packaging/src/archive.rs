@@ -1,7 +1,7 @@
-//! FMU archives, byte for byte reproducible.
+//! FMU and SSP archives, byte for byte reproducible.
 //!
 //! # Conventions
-//! - `modelDescription.xml` first, the other entries sorted by name with forward slashes.
+//! - `modelDescription.xml` or `SystemStructure.ssd` first, the other entries sorted by name with forward slashes.
 //! - Every entry is deflated, dated 1980-01-01, readable by all; nothing depends on the machine.
 //! - Sizes stand in the local headers: no data descriptors, which some importers cannot read.
 
@@ -12,17 +12,27 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
-/// The content of an FMU: entry names and bytes.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// The content of an FMU or SSP: entry names and bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Archive {
-    model_description: Vec<u8>,
+    first_name: &'static str,
+    first: Vec<u8>,
     entries: BTreeMap<String, Vec<u8>>,
 }
 
 impl Archive {
-    /// An archive with nothing but its description.
+    /// An FMU with nothing but its description.
     pub fn new(model_description: impl Into<Vec<u8>>) -> Self {
-        Self { model_description: model_description.into(), entries: BTreeMap::new() }
+        Self::beginning_with("modelDescription.xml", model_description.into())
+    }
+
+    /// A system with nothing but its structure.
+    pub fn system(structure: impl Into<Vec<u8>>) -> Self {
+        Self::beginning_with("SystemStructure.ssd", structure.into())
+    }
+
+    fn beginning_with(first_name: &'static str, first: Vec<u8>) -> Self {
+        Self { first_name, first, entries: BTreeMap::new() }
     }
 
     /// Adds or replaces an entry; `name` is relative, with forward slashes.
@@ -30,7 +40,7 @@ impl Archive {
         self.entries.insert(name.into(), bytes.into());
     }
 
-    /// The bytes of the FMU file.
+    /// The bytes of the file.
     ///
     /// # Errors
     /// [`ZipError`] if an entry does not fit the format.
@@ -42,7 +52,7 @@ impl Archive {
             .system(System::Unix)
             .unix_permissions(0o644);
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
-        let first = ("modelDescription.xml", &self.model_description);
+        let first = (self.first_name, &self.first);
         let others = self.entries.iter().map(|(name, bytes)| (name.as_str(), bytes));
         for (name, bytes) in std::iter::once(first).chain(others) {
             writer.start_file(name, options)?;

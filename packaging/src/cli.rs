@@ -15,6 +15,7 @@ Examples:
   steerguard design my-car.toml -o design.json   gains for your vehicle
   steerguard verify design.json                  independent re-check
   steerguard package design.json                 SteeringFaultDetector.fmu
+  steerguard check SteeringFaultDetector.fmu     what importers may trip over
   steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
 
 Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
@@ -45,6 +46,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Package a design as SteeringFaultDetector.fmu
     Package(PackageArguments),
+    /// Examine an FMU: archive, description, binaries
+    Check(CheckArguments),
     /// Co-simulate a detector FMU with a plant FMU
     Simulate(SimulateArguments),
 }
@@ -73,6 +76,7 @@ pub struct VerifyArguments {
 #[command(after_help = "Examples:
   steerguard package design.json -o SteeringFaultDetector.fmu
   steerguard package my-car.toml --plant VehiclePlant.fmu
+  steerguard package design.json --system SteeringFaultSystem.ssp
   steerguard package design.json --runtime win64=SteeringFaultDetector.dll")]
 pub struct PackageArguments {
     /// Design file (.json), or a specification (.toml) to be designed first
@@ -83,10 +87,23 @@ pub struct PackageArguments {
     /// Write the reference vehicle's FMU as well
     #[arg(long, value_name = "FILE")]
     pub plant: Option<PathBuf>,
+    /// Write detector and reference vehicle as a connected system (SSP 1.0) as well
+    #[arg(long, value_name = "FILE")]
+    pub system: Option<PathBuf>,
     /// Add the detector's unbaked library for a further platform: linux64, win64, darwin64,
     /// aarch64-linux
     #[arg(long, value_name = "PLATFORM=FILE", value_parser = runtime)]
     pub runtime: Vec<(Platform, PathBuf)>,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard check SteeringFaultDetector.fmu
+  steerguard check --json other.fmu")]
+pub struct CheckArguments {
+    /// Any FMI 2.0 FMU; nothing of it is written to disk or run
+    pub fmu: PathBuf,
 }
 
 /// Arguments of `simulate`.

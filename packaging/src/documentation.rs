@@ -5,13 +5,23 @@ use std::fmt::Write as _;
 
 use steerguard_detector::Interval;
 use steerguard_fmu::BakedDesign;
-use steerguard_model_description::{Causality, Kind, ModelInfo, Role, Variable};
+use steerguard_model_description::{
+    Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
+};
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\
-border-bottom:1px solid #ddd;vertical-align:top}code{background:#f3f3f3;padding:0 .2em}";
+border-bottom:1px solid #ddd;vertical-align:top}code{background:#f3f3f3;padding:0 .2em;\
+overflow-wrap:anywhere}";
+
+/// First line of the tables of variables.
+const HEAD: &str = "<tr><th>Name<th>Unit or type<th>Value<th>Range or items<th>Meaning\n";
 
 const DETECTOR: &str = "\
+<p>Feed it what the vehicle measures and what the driver or controller commands. Its observer predicts
+speed and yaw rate; the windowed RMS of the weighted prediction error, <code>J_rms</code>, is held
+against the threshold <code>J_th</code>. A steering actuator that turns the wheels by another angle
+than commanded raises the alarm.</p>
 <h2>Wiring</h2>
 <ul>
 <li>Axes are those of ISO 8855: x forward, y left, yaw rate counter-clockwise. SI units throughout.</li>
@@ -28,28 +38,29 @@ step are those of the last sample run.</li>
 </ul>
 ";
 
-const PLANT: &str = "\
+/// What the page of `VehiclePlant.fmu` says of it.
+pub const PLANT: &str = "\
 <h2>Use</h2>
 <p>The plant integrates with steps of 1 ms and holds its inputs over each of them. Parameters are set
 before initialisation ends; <code>vehicle.*</code> carry the names that the detector gives the vehicle it
 was designed for. <code>fault</code> is added to the angle of the steering actuator.</p>
 ";
 
-/// The page of `SteeringFaultDetector.fmu`.
-pub fn detector(info: &ModelInfo, variables: &[Variable], design: &BakedDesign) -> String {
-    page(info, variables, &format!("{DETECTOR}{}", summary(design)))
+/// What the page of `SteeringFaultDetector.fmu` says of it and of the design inside.
+pub fn detector(design: &BakedDesign) -> String {
+    format!("{DETECTOR}{}", summary(design))
 }
 
-/// The page of `VehiclePlant.fmu`.
-pub fn plant(info: &ModelInfo, variables: &[Variable]) -> String {
-    page(info, variables, PLANT)
-}
-
-fn page(info: &ModelInfo, variables: &[Variable], body: &str) -> String {
+/// The page of an FMU: `about` it, then all variables with their values in a fresh instance.
+pub fn page<'a, V: VariableSet>(
+    info: &ModelInfo,
+    about: &str,
+    value: impl Fn(V) -> Value<'a>,
+) -> String {
     let (name, description) = (escaped(info.name), escaped(info.description));
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{description}</p>\n{body}"
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{description}</p>\n{about}"
     );
     for (title, holds) in [
         ("Inputs", &(|role: Role| role.causality == Causality::Input) as &dyn Fn(Role) -> bool),
@@ -58,35 +69,79 @@ fn page(info: &ModelInfo, variables: &[Variable], body: &str) -> String {
         ("Internal", &|role| role.causality == Causality::Local && role != Role::CONSTANT),
         ("Constants", &|role| role == Role::CONSTANT),
     ] {
-        let rows: String = variables.iter().filter(|v| holds(v.role)).map(row).collect();
+        let variables = V::ALL.iter().zip(V::TABLE).filter(|(_, row)| holds(row.role));
+        let rows: String = variables.map(|(variable, row)| line(row, value(*variable))).collect();
         if !rows.is_empty() {
-            page += &format!("<h2>{title}</h2>\n<table>\n<tr><th>Name<th>Type<th>Meaning\n{rows}");
-            page += "</table>\n";
+            page += &format!("<h2>{title}</h2>\n<table>\n{HEAD}{rows}</table>\n");
         }
     }
-    page += "<p>Licences of this FMU and of what is linked into it are in <code>licenses/</code>.</p>\n\
-             </body>\n</html>\n";
+    page += &format!(
+        "<h2>Files</h2>\n<p><code>extra/{name}_in.csv</code> holds inputs to apply at the communication \
+         points, <code>extra/{name}_ref.csv</code> the outputs that are found there before: run the FMU on \
+         the one with parameters as they are and compare with the other to see that it is wired and \
+         stepped as meant.</p>\n\
+         <p>Licences of this FMU and of what is linked into it are in <code>licenses/</code>.</p>\n\
+         </body>\n</html>\n"
+    );
     page
 }
 
-fn row(variable: &Variable) -> String {
-    let kind = match &variable.kind {
+fn line(variable: &Variable, value: Value<'_>) -> String {
+    let value = if variable.role.has_start() { text(&variable.kind, value) } else { String::new() };
+    let cells =
+        [kind(&variable.kind), value, limits(&variable.kind), variable.description.to_owned()];
+    let cells: String = cells.iter().map(|cell| format!("<td>{}", escaped(cell))).collect();
+    format!("<tr><td><code>{}</code>{cells}\n", escaped(variable.name))
+}
+
+/// Unit of a Real, type of all others.
+fn kind(kind: &Kind) -> String {
+    match kind {
         Kind::Real(real) if real.unit.name != "1" => real.unit.name.to_owned(),
+        other => other.name().to_owned(),
+    }
+}
+
+fn limits(kind: &Kind) -> String {
+    match kind {
+        Kind::Real(RealKind { min, max, .. }) => match (min, max) {
+            (Some(min), Some(max)) => format!("{} to {}", number(*min), number(*max)),
+            (Some(min), None) => format!("from {}", number(*min)),
+            (None, Some(max)) => format!("up to {}", number(*max)),
+            (None, None) => String::new(),
+        },
+        Kind::Integer { min: i32::MIN, max: i32::MAX } | Kind::Boolean | Kind::String => {
+            String::new()
+        }
+        Kind::Integer { min, max } => format!("{min} to {max}"),
         Kind::Enumeration(enumeration) => {
             let items = enumeration.items.iter().zip(1..);
-            items
-                .map(|(item, value)| format!("{value} {}", item.name))
-                .collect::<Vec<_>>()
-                .join(", ")
+            items.map(|(item, i)| format!("{i} {}", item.name)).collect::<Vec<_>>().join(", ")
         }
-        other => other.name().to_owned(),
-    };
-    format!(
-        "<tr><td><code>{}</code><td>{}<td>{}\n",
-        escaped(variable.name),
-        escaped(&kind),
-        escaped(variable.description)
-    )
+    }
+}
+
+fn text(kind: &Kind, value: Value<'_>) -> String {
+    match (kind, value) {
+        (_, Value::Real(value)) => number(value),
+        (Kind::Enumeration(enumeration), Value::Integer(value)) => {
+            let item = usize::try_from(value - 1).ok().and_then(|i| enumeration.items.get(i));
+            item.map_or_else(|| value.to_string(), |item| item.name.to_owned())
+        }
+        (_, Value::Integer(value)) => value.to_string(),
+        (_, Value::Boolean(value)) => value.to_string(),
+        (_, Value::String(value)) => value.to_string_lossy().into_owned(),
+    }
+}
+
+/// A number for people, without loss.
+fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || (1e-4..1e7).contains(&magnitude) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
 }
 
 fn summary(design: &BakedDesign) -> String {

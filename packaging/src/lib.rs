@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod bake;
+pub mod check;
 pub mod cli;
 pub mod command;
 pub mod cosimulation;
@@ -16,8 +17,10 @@ pub mod platform;
 pub mod plot;
 pub mod progress;
 pub mod recheck;
+pub mod reference;
 pub mod report;
 pub mod runtime;
 pub mod scenario;
 pub mod simulation;
+pub mod system;
 pub mod table;

@@ -1,20 +1,22 @@
-//! FMUs from a design: description, baked libraries, documentation, icon, licences.
+//! FMUs from a design: description, baked libraries, documentation, icon, licences, reference results.
 
 use std::io;
 
+use steerguard_detector::Vehicle;
 use steerguard_fmi2::Model;
 use steerguard_fmu::{BakedDesign, DesignError, DetectorModel};
-use steerguard_model_description::{DefaultExperiment, VariableSet, xml};
-use steerguard_plant::PlantModel;
+use steerguard_model_description::{DefaultExperiment, xml};
+use steerguard_plant::{PlantModel, PlantVariable};
 
 use crate::archive::Archive;
 use crate::bake::{BakeError, bake};
 use crate::documentation;
 use crate::platform::Platform;
+use crate::reference;
 use crate::runtime::Runtimes;
 
 /// Length of the run that the FMUs propose, s: the scenario of the paper's Fig. 1.
-const STOP_TIME_S: f64 = 20.0;
+pub(crate) const STOP_TIME_S: f64 = 20.0;
 
 /// Communication step that the plant proposes, s.
 const PLANT_STEP_S: f64 = 0.01;
@@ -59,13 +61,16 @@ pub enum PackageError {
 /// # Errors
 /// [`PackageError`].
 pub fn detector_fmu(design: &BakedDesign, runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
-    let page = documentation::detector(
-        &DetectorModel::INFO,
-        <DetectorModel as Model>::Variable::TABLE,
-        design,
-    );
-    let step_s = design.configuration.model.sampling_period_s;
-    fmu::<DetectorModel>(&design.encode()?, step_s, page, runtimes)
+    let payload = design.encode()?;
+    let model = DetectorModel::new(&payload).map_err(PackageError::Model)?;
+    let parts = Parts {
+        payload: &payload,
+        step_s: design.configuration.model.sampling_period_s,
+        about: documentation::detector(design),
+        reference: reference::detector(&design.configuration)
+            .map_err(DesignError::Configuration)?,
+    };
+    fmu(&model, &parts, runtimes)
 }
 
 /// The bytes of `VehiclePlant.fmu`.
@@ -73,34 +78,57 @@ pub fn detector_fmu(design: &BakedDesign, runtimes: &Runtimes) -> Result<Vec<u8>
 /// # Errors
 /// [`PackageError`].
 pub fn plant_fmu(runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
-    let page = documentation::plant(&PlantModel::INFO, <PlantModel as Model>::Variable::TABLE);
-    fmu::<PlantModel>(&[], PLANT_STEP_S, page, runtimes)
+    let model = PlantModel::new(&[]).map_err(PackageError::Model)?;
+    let mut speed_m_per_s = 0.0;
+    model.get(PlantVariable::InitialSpeedX).store_real(&mut speed_m_per_s);
+    let parts = Parts {
+        payload: &[],
+        step_s: PLANT_STEP_S,
+        about: documentation::PLANT.to_owned(),
+        reference: reference::plant(&Vehicle::PAPER, speed_m_per_s, PLANT_STEP_S),
+    };
+    fmu(&model, &parts, runtimes)
 }
 
+/// What tells the FMU of one model from that of another.
+struct Parts<'a> {
+    payload: &'a [u8],
+    /// Communication step to propose, s.
+    step_s: f64,
+    /// The model's part of the documentation.
+    about: String,
+    reference: reference::Files,
+}
+
+/// The FMU of `model`, which is fresh.
 fn fmu<M: Model>(
-    payload: &[u8],
-    step_size: f64,
-    page: String,
+    model: &M,
+    parts: &Parts<'_>,
     runtimes: &Runtimes,
 ) -> Result<Vec<u8>, PackageError> {
     if runtimes.0.is_empty() {
         return Err(PackageError::NoLibrary);
     }
-    let fresh = M::new(payload).map_err(PackageError::Model)?;
-    let experiment = DefaultExperiment { start_time: 0.0, stop_time: STOP_TIME_S, step_size };
-    let described = xml::describe(&M::INFO, |variable| fresh.get(variable), &experiment)?;
+    let start = |variable| model.get(variable);
+    let experiment =
+        DefaultExperiment { start_time: 0.0, stop_time: STOP_TIME_S, step_size: parts.step_s };
+    let described = xml::describe(&M::INFO, start, &experiment)?;
 
     let mut archive = Archive::new(described.xml);
     for (&platform, library) in &runtimes.0 {
         let mut library = library.clone();
-        bake(&mut library, platform, &described.guid, payload)
+        bake(&mut library, platform, &described.guid, parts.payload)
             .map_err(|source| PackageError::Library { platform, source })?;
         archive.insert(platform.library_path(M::INFO.identifier), library);
     }
+    let page = documentation::page(&M::INFO, &parts.about, start);
     archive.insert("documentation/index.html", page);
     archive.insert("model.png", ICON);
     for (name, text) in LICENCES {
         archive.insert(format!("documentation/licenses/{name}"), text);
+    }
+    for (name, table) in &parts.reference {
+        archive.insert(format!("extra/{}{name}", M::INFO.identifier), table.as_bytes());
     }
     archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
 }

@@ -95,7 +95,7 @@ impl Signal {
             Some(reference) => (reference / initial_speed_m_per_s).sqrt(),
             None => 1.0,
         };
-        scale * (self.offset + self.amplitude * (self.angular_frequency_rad_per_s * t).sin())
+        scale * (self.offset + self.amplitude * libm::sin(self.angular_frequency_rad_per_s * t))
     }
 
     /// Whether the signal is 0 at all times.

@@ -9,7 +9,7 @@ pub fn aligned(rows: &[Vec<String>], indent: &str) -> String {
         .map(|column| cells(column).map(|cell| cell.chars().count()).max().unwrap_or(0))
         .collect();
     let numbers: Vec<bool> = (0..columns)
-        .map(|column| cells(column).last().is_some_and(|cell| is_number(cell)))
+        .map(|column| cells(column).next_back().is_some_and(|cell| is_number(cell)))
         .collect();
     let mut text = String::new();
     for row in rows {

@@ -1,5 +1,7 @@
 //! The command as users run it: results, exit codes, errors.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

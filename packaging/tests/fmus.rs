@@ -1,5 +1,7 @@
 //! The packaged FMUs, as an importer finds them.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use std::collections::BTreeSet;

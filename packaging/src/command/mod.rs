@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod check;
 mod design;
 mod input;
 mod main_job;
@@ -22,6 +23,7 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Some(Command::Design(arguments)) => design::run(arguments, cli.json),
         Some(Command::Verify(arguments)) => verify::run(arguments, cli.json),
         Some(Command::Package(arguments)) => package::run(arguments, cli.json),
+        Some(Command::Check(arguments)) => check::run(arguments, cli.json),
         Some(Command::Simulate(arguments)) => simulate::run(arguments, cli.json),
     }
 }

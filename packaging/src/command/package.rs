@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use steerguard_designer::Design;
+use steerguard_fmu::BakedDesign;
 
 use super::{input, print};
 use crate::cli::PackageArguments;
@@ -13,6 +14,7 @@ use crate::output;
 use crate::package::{PackageError, detector_fmu, plant_fmu};
 use crate::progress::Progress;
 use crate::runtime::Runtimes;
+use crate::system::system_ssp;
 
 /// An FMU that was written.
 #[derive(Serialize)]
@@ -42,6 +44,9 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
     if let Some(path) = &arguments.plant {
         fmus.push(plant(path)?);
     }
+    if let Some(path) = &arguments.system {
+        fmus.push(system(&design, &runtimes, path)?);
+    }
     let platforms = runtimes.0.keys().map(|platform| platform.folder()).collect();
     let text = listed(&fmus, "");
     print(json, &Outcome { fmus, platforms }, &text)?;
@@ -60,14 +65,21 @@ pub(super) fn detector(
     runtimes: &Runtimes,
     path: &Path,
 ) -> Result<Packaged, Failure> {
-    let design = baked(design)
-        .map_err(|hash| Failure::bad(format!("the design's hash `{hash}` is no SHA-256")))?;
-    write(path, detector_fmu(&design, runtimes))
+    write(path, detector_fmu(&payload(design)?, runtimes))
+}
+
+fn payload(design: &Design) -> Result<BakedDesign, Failure> {
+    baked(design).map_err(|hash| Failure::bad(format!("the design's hash `{hash}` is no SHA-256")))
 }
 
 /// Packages the reference vehicle.
 pub(super) fn plant(path: &Path) -> Result<Packaged, Failure> {
     write(path, plant_fmu(&Runtimes::plant()))
+}
+
+/// Packages detector and reference vehicle as a connected system.
+fn system(design: &Design, runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failure> {
+    write(path, system_ssp(&payload(design)?, runtimes, &Runtimes::plant()))
 }
 
 fn write(path: &Path, fmu: Result<Vec<u8>, PackageError>) -> Result<Packaged, Failure> {

@@ -19,6 +19,7 @@ use steerguard_model_description::xml::{self, Description, ReadError};
 pub use instance::{CallError, Instance};
 pub use log::LogMessage;
 pub use unpack::UnpackError;
+pub(crate) use unpack::{MAX_ENTRIES, MAX_UNPACKED_BYTES};
 
 use crate::platform::Platform;
 use library::Library;
@@ -30,7 +31,7 @@ pub struct ImportError {
     /// Path of the FMU.
     pub fmu: String,
     /// What is wrong with it.
-    pub cause: ImportCause,
+    pub cause: Box<ImportCause>,
 }
 
 /// What can be wrong with an FMU.
@@ -96,7 +97,8 @@ impl Fmu {
     /// [`ImportError`].
     pub fn open(path: &Path) -> Result<Self, ImportError> {
         let name = path.display().to_string();
-        Self::load(path, name.clone()).map_err(|cause| ImportError { fmu: name, cause })
+        Self::load(path, name.clone())
+            .map_err(|cause| ImportError { fmu: name, cause: Box::new(cause) })
     }
 
     fn load(path: &Path, name: String) -> Result<Self, ImportCause> {
@@ -145,7 +147,7 @@ impl Fmu {
             .map(|variable| variable.value_reference)
             .ok_or_else(|| ImportError {
                 fmu: self.name.clone(),
-                cause: ImportCause::Variable { name: name.to_owned(), kind },
+                cause: Box::new(ImportCause::Variable { name: name.to_owned(), kind }),
             })
     }
 

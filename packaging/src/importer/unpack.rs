@@ -8,9 +8,9 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 /// Most entries an FMU may have.
-const MAX_ENTRIES: usize = 10_000;
+pub(crate) const MAX_ENTRIES: usize = 10_000;
 /// Most bytes an FMU may unpack to.
-const MAX_UNPACKED_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_UNPACKED_BYTES: u64 = 1 << 30;
 
 /// An FMU file that cannot be unpacked, or had better not be.
 #[derive(Debug, thiserror::Error)]

@@ -1,0 +1,297 @@
+//! The shared libraries: one for each platform and implementation, of the platform's format, that
+//! exports the functions of the standard; and, in our own, what is baked into them.
+
+use std::collections::BTreeSet;
+
+use object::macho::{FatArch32, FatArch64};
+use object::read::NameOrOrdinal;
+use object::read::macho::{FatArch, MachOFatFile};
+use object::{Architecture, BinaryFormat, FileKind, Object as _, ObjectSection as _};
+use steerguard_fmi2::{BLOCK_SIZE, BakedError, Function, baked};
+use steerguard_fmu::BakedDesign;
+use steerguard_model_description::detector::INFO as DETECTOR;
+use steerguard_model_description::xml::{Header, Implementation, digest};
+
+use super::{Contents, DESCRIPTION, Findings};
+
+/// Name of a folder in `binaries/`, extension and format of its libraries, and their processors.
+type Platform = (&'static str, &'static str, BinaryFormat, &'static [Architecture]);
+
+/// The platforms of FMI 2.0.4, section 2.3, and those of FMI 3.0, which 2.0 leaves free.
+const PLATFORMS: [Platform; 13] = {
+    use Architecture::{Aarch64, I386, X86_64};
+    use BinaryFormat::{Elf, MachO, Pe};
+    [
+        ("win32", "dll", Pe, &[I386]),
+        ("win64", "dll", Pe, &[X86_64]),
+        ("linux32", "so", Elf, &[I386]),
+        ("linux64", "so", Elf, &[X86_64]),
+        ("darwin32", "dylib", MachO, &[I386]),
+        ("darwin64", "dylib", MachO, &[X86_64, Aarch64]),
+        ("x86-windows", "dll", Pe, &[I386]),
+        ("x86_64-windows", "dll", Pe, &[X86_64]),
+        ("aarch64-windows", "dll", Pe, &[Aarch64]),
+        ("x86_64-linux", "so", Elf, &[X86_64]),
+        ("aarch64-linux", "so", Elf, &[Aarch64]),
+        ("x86_64-darwin", "dylib", MachO, &[X86_64]),
+        ("aarch64-darwin", "dylib", MachO, &[Aarch64]),
+    ]
+};
+
+/// Functions for Co-Simulation alone.
+const CO_SIMULATION: [Function; 9] = [
+    Function::fmi2SetRealInputDerivatives,
+    Function::fmi2GetRealOutputDerivatives,
+    Function::fmi2DoStep,
+    Function::fmi2CancelStep,
+    Function::fmi2GetStatus,
+    Function::fmi2GetRealStatus,
+    Function::fmi2GetIntegerStatus,
+    Function::fmi2GetBooleanStatus,
+    Function::fmi2GetStringStatus,
+];
+
+/// Functions for Model Exchange alone.
+const MODEL_EXCHANGE: [Function; 10] = [
+    Function::fmi2EnterEventMode,
+    Function::fmi2NewDiscreteStates,
+    Function::fmi2EnterContinuousTimeMode,
+    Function::fmi2CompletedIntegratorStep,
+    Function::fmi2SetTime,
+    Function::fmi2SetContinuousStates,
+    Function::fmi2GetDerivatives,
+    Function::fmi2GetEventIndicators,
+    Function::fmi2GetContinuousStates,
+    Function::fmi2GetNominalsOfContinuousStates,
+];
+
+/// Functions that importers do without unless a flag of the description is set.
+const OPTIONAL: [(Function, &str); 7] = [
+    (Function::fmi2GetFMUstate, "canGetAndSetFMUstate"),
+    (Function::fmi2SetFMUstate, "canGetAndSetFMUstate"),
+    (Function::fmi2FreeFMUstate, "canGetAndSetFMUstate"),
+    (Function::fmi2SerializedFMUstateSize, "canSerializeFMUstate"),
+    (Function::fmi2SerializeFMUstate, "canSerializeFMUstate"),
+    (Function::fmi2DeSerializeFMUstate, "canSerializeFMUstate"),
+    (Function::fmi2GetDirectionalDerivative, "providesDirectionalDerivative"),
+];
+
+pub(super) fn check(contents: &Contents, xml: &str, header: &Header, findings: &mut Findings) {
+    let folders: BTreeSet<&str> = contents
+        .names
+        .iter()
+        .filter_map(|name| {
+            name.strip_prefix("binaries/")?.split_once('/').map(|(folder, _)| folder)
+        })
+        .filter(|folder| !folder.is_empty())
+        .collect();
+    if folders.is_empty() {
+        let has_sources = contents.names.iter().any(|name| name.starts_with("sources/"));
+        if has_sources {
+            let help = "importers without a compiler cannot run it: add binaries/<platform>/";
+            findings.note("no-binary", "the FMU has sources and no binaries", "", help);
+        } else {
+            let help = "add binaries/<platform>/<modelIdentifier> with its library";
+            findings.error("no-binary", "the FMU has neither binaries nor sources", "", help);
+        }
+    }
+    for folder in folders {
+        match PLATFORMS.iter().find(|(name, ..)| *name == folder) {
+            Some(platform) => libraries(contents, xml, header, platform, findings),
+            None => {
+                let message = format!("binaries/{folder:?} is no platform that importers look for");
+                let help = "FMI 2.0 has win32, win64, linux32, linux64, darwin32, darwin64";
+                findings.warning("unknown-platform", message, "", help);
+            }
+        }
+    }
+}
+
+/// The libraries of a platform.
+fn libraries(
+    contents: &Contents,
+    xml: &str,
+    header: &Header,
+    platform: &Platform,
+    findings: &mut Findings,
+) {
+    let (folder, extension, ..) = platform;
+    let identifiers: BTreeSet<&str> =
+        header.implementations.iter().map(|i| i.model_identifier.as_str()).collect();
+    for identifier in identifiers {
+        let path = format!("binaries/{folder}/{identifier}.{extension}");
+        if !contents.names.contains(&path) {
+            let message = format!("no library for modelIdentifier {identifier:?}");
+            let help =
+                "importers on this platform find nothing to load: add it, or remove the folder";
+            findings.error("binary-missing", message, &path, help);
+        } else if let Some(bytes) = contents.files.get(&path) {
+            let served = header.implementations.iter().filter(|i| i.model_identifier == identifier);
+            let served: Vec<&Implementation> = served.collect();
+            let library = Library { path, served, guid: &header.guid, xml };
+            library.check(bytes, platform, findings);
+        }
+    }
+}
+
+struct Library<'a> {
+    path: String,
+    served: Vec<&'a Implementation>,
+    guid: &'a str,
+    xml: &'a str,
+}
+
+impl Library<'_> {
+    fn check(&self, bytes: &[u8], platform: &Platform, findings: &mut Findings) {
+        match images(bytes) {
+            Ok(images) => {
+                for image in images {
+                    self.image(&image, platform, findings);
+                }
+            }
+            Err(error) => {
+                let message = format!("not a shared library: {error}");
+                findings.error("binary-format", message, &self.path, "importers cannot load it");
+            }
+        }
+    }
+
+    /// An object file; universal binaries of macOS have several.
+    fn image(&self, image: &object::File<'_>, platform: &Platform, findings: &mut Findings) {
+        let &(folder, _, format, architectures) = platform;
+        if image.format() != format || !architectures.contains(&image.architecture()) {
+            let (found, processor) = (image.format(), image.architecture());
+            let message = format!("{found:?} for {processor:?} in the folder of {folder}");
+            let help = "importers on this platform cannot load it";
+            findings.error("binary-format", message, &self.path, help);
+            return;
+        }
+        match exported(image) {
+            Ok(exported) => self.exports(&exported, findings),
+            Err(error) => {
+                let message = format!("its exported symbols cannot be read: {error}");
+                findings.error("binary-format", message, &self.path, "link it again");
+            }
+        }
+        self.baked(image, findings);
+    }
+
+    fn exports(&self, exported: &BTreeSet<String>, findings: &mut Findings) {
+        let is = |co_simulation| self.served.iter().any(|i| i.is_co_simulation == co_simulation);
+        let missing = Function::ALL
+            .iter()
+            .filter(|function| is(true) || !CO_SIMULATION.contains(function))
+            .filter(|function| is(false) || !MODEL_EXCHANGE.contains(function))
+            .filter(|function| !exported.contains(function.name()));
+        let (dispensable, needed): (Vec<Function>, Vec<Function>) = missing.partition(|function| {
+            OPTIONAL.iter().any(|(optional, flag)| {
+                optional == *function
+                    && !self.served.iter().any(|i| i.flags.iter().any(|f| f == flag))
+            })
+        });
+        let names = |functions: &[Function]| listed(functions.iter().map(|f| f.name()));
+        if !needed.is_empty() {
+            let message = format!("not exported: {}", names(&needed));
+            findings.error("missing-function", message, &self.path, "export every function");
+        }
+        if !dispensable.is_empty() {
+            let message = format!("not exported: {}", names(&dispensable));
+            let help = "no flag announces them, yet some importers look for every function";
+            findings.warning("missing-function", message, &self.path, help);
+        }
+        let known: BTreeSet<&str> = Function::ALL.iter().map(|function| function.name()).collect();
+        let others: Vec<&str> =
+            exported.iter().map(String::as_str).filter(|name| !known.contains(name)).collect();
+        if !others.is_empty() {
+            let message = format!("exports more than FMI: {}", listed(others.into_iter()));
+            let help = "they can clash with those of other FMUs in one process: hide them";
+            findings.warning("other-symbols", message, &self.path, help);
+        }
+    }
+
+    /// The block of libraries on our FMI layer.
+    fn baked(&self, image: &object::File<'_>, findings: &mut Findings) {
+        let Some(block) = block(image) else { return };
+        let error = |findings: &mut Findings, code, message: String, help| {
+            findings.error(code, message, &self.path, help);
+        };
+        let content = match baked::open(block) {
+            Ok(content) => content,
+            Err(reason) => {
+                let code = match reason {
+                    BakedError::Unbaked => "unbaked",
+                    BakedError::Damaged => "baked-block",
+                };
+                let help = "package the design again: this library refuses to run";
+                return error(findings, code, reason.description().to_owned(), help);
+            }
+        };
+        if content.guid != self.guid {
+            let message = format!("made for GUID {:?}, described as {:?}", content.guid, self.guid);
+            let help = "description and library are of different FMUs: package the design again";
+            error(findings, "guid-mismatch", message, help);
+        }
+        let digest = digest(&self.xml.replacen(&format!("guid=\"{}\"", self.guid), "guid=\"\"", 1));
+        if digest != self.guid {
+            let message = "the description was changed: its GUID is not the digest of its content";
+            findings.error("guid-digest", message, DESCRIPTION, "package the design again");
+        }
+        if self.served.iter().any(|i| i.model_identifier == DETECTOR.identifier) {
+            match BakedDesign::decode(content.payload) {
+                Ok(design) if self.xml.contains(&*String::from_utf8_lossy(&design.hash)) => {}
+                Ok(_) => {
+                    let message = "the design in it is not the one that is described";
+                    let help = "package the design again";
+                    error(findings, "baked-block", message.to_owned(), help);
+                }
+                Err(reason) => {
+                    error(findings, "baked-block", reason.to_string(), "package the design again");
+                }
+            }
+        }
+    }
+}
+
+/// The object files in a library.
+fn images(bytes: &[u8]) -> object::read::Result<Vec<object::File<'_>>> {
+    match FileKind::parse(bytes)? {
+        FileKind::MachOFat32 => fat::<FatArch32>(bytes),
+        FileKind::MachOFat64 => fat::<FatArch64>(bytes),
+        _ => Ok(vec![object::File::parse(bytes)?]),
+    }
+}
+
+fn fat<Fat: FatArch>(bytes: &[u8]) -> object::read::Result<Vec<object::File<'_>>> {
+    let file = MachOFatFile::<Fat>::parse(bytes)?;
+    // Real ones have two to four.
+    file.arches().iter().take(16).map(|arch| object::File::parse(arch.data(bytes)?)).collect()
+}
+
+/// Names of the exported symbols, as C knows them.
+fn exported(image: &object::File<'_>) -> object::read::Result<BTreeSet<String>> {
+    let underscore = image.format() == BinaryFormat::MachO;
+    let mut names = BTreeSet::new();
+    for export in image.exports()? {
+        if let NameOrOrdinal::Name(name) = export?.name() {
+            let name = String::from_utf8_lossy(name);
+            let name = if underscore { name.strip_prefix('_').unwrap_or(&name) } else { &name };
+            names.insert(name.to_owned());
+        }
+    }
+    Ok(names)
+}
+
+fn block<'data>(image: &object::File<'data>) -> Option<&'data [u8; BLOCK_SIZE]> {
+    [baked::SECTION_ELF, baked::SECTION_PE, baked::SECTION_MACH_O]
+        .into_iter()
+        .find_map(|name| image.section_by_name(name)?.data().ok()?.first_chunk())
+}
+
+/// The first few names and how many more there are.
+fn listed<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 8;
+    let more = names.len().saturating_sub(SHOWN);
+    let shown: Vec<&str> = names.take(SHOWN).collect();
+    let shown = shown.join(", ");
+    if more == 0 { shown } else { format!("{shown} and {more} more") }
+}

@@ -1,0 +1,82 @@
+//! Findings about an FMU file: its archive, its description, its binaries, and what comes with them.
+//!
+//! # Conventions
+//! - Nothing in the file is trusted: it is read once, entry by entry, within the bounds of the
+//!   importer; nothing is written, and no code of it runs.
+//! - A rule that several entries break is one finding, which names the first of them.
+//! - Rules are those of FMI 2.0.4, section 2.3, and what importers are known to trip over. A file
+//!   without a finding of level error is one that importers can be expected to take.
+
+mod archive;
+mod binary;
+mod surroundings;
+
+use std::collections::BTreeMap;
+use std::io::{Read, Seek};
+
+use steerguard_model_description::xml::{self, Finding, Level};
+
+/// Path of the description.
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// What was read of an FMU.
+#[derive(Debug, Default)]
+struct Contents {
+    /// Names of all entries.
+    names: Vec<String>,
+    /// Description, icon and libraries by name.
+    files: BTreeMap<String, Vec<u8>>,
+}
+
+/// Examines an FMU; `name` is what findings call the file.
+///
+/// # Errors
+/// Only what reading the file says: what is wrong with its bytes is a finding.
+pub fn check(fmu: impl Read + Seek, name: &str) -> std::io::Result<Vec<Finding>> {
+    let mut findings = Findings { file: name.to_owned(), list: Vec::new() };
+    if let Some(contents) = archive::read(fmu, &mut findings)? {
+        description(&contents, &mut findings);
+        surroundings::check(&contents, &mut findings);
+    }
+    Ok(findings.list)
+}
+
+/// Description, and the binaries as far as it names them.
+fn description(contents: &Contents, findings: &mut Findings) {
+    let Some(bytes) = contents.files.get(DESCRIPTION) else { return };
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        let help = "save it as UTF-8, as its XML declaration has to say";
+        findings.error("description-encoding", "the description is not UTF-8", DESCRIPTION, help);
+        return;
+    };
+    findings.list.extend(xml::lint(text));
+    // What is no XML has been found above.
+    if let Ok(header) = xml::header(text) {
+        binary::check(contents, text, &header, findings);
+    }
+}
+
+/// The findings so far.
+struct Findings {
+    file: String,
+    list: Vec<Finding>,
+}
+
+impl Findings {
+    fn add(&mut self, level: Level, code: &'static str, message: String, at: &str, help: &str) {
+        let location = if at.is_empty() { self.file.clone() } else { at.to_owned() };
+        self.list.push(Finding { level, code, message, location, help: help.to_owned() });
+    }
+
+    fn error(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {
+        self.add(Level::Error, code, message.into(), at, help);
+    }
+
+    fn warning(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {
+        self.add(Level::Warning, code, message.into(), at, help);
+    }
+
+    fn note(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {
+        self.add(Level::Note, code, message.into(), at, help);
+    }
+}
