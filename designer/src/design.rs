@@ -6,7 +6,8 @@ use clarabel::solver::SolverStatus;
 use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, TsModel};
 
 use crate::calibration::{Level, calibrate, drives};
-use crate::certificate::{Check, check, error_dynamics};
+use crate::certificate::{check, error_dynamics};
+use crate::certified::certified;
 use crate::design_file::{
     Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FrozenRecord, LargestBeta,
     Performance, Rule, StartUpRecord, SynthesisRecord,
@@ -37,6 +38,8 @@ pub enum Step {
     Check,
     /// Gains at frozen operating points.
     Frozen,
+    /// The gains' certificate.
+    Certify,
     /// The bound on the start-up residual.
     StartUp,
     /// Fault-free drives: how many of how many are done.
@@ -55,6 +58,7 @@ impl fmt::Display for Step {
             Self::SmallestGamma => write!(f, "minimising gamma"),
             Self::Check => write!(f, "checking the inequalities"),
             Self::Frozen => write!(f, "evaluating frozen operating points"),
+            Self::Certify => write!(f, "certifying the gains"),
             Self::StartUp => write!(f, "bounding the start-up"),
             Self::Calibration { done, of } => write!(f, "calibrating: drive {done} of {of}"),
         }
@@ -125,6 +129,9 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     let bound = spec.disturbance[0].bound();
     let frozen = frozen(&model, gains, &disturbance, &fault);
     let smallest_fault_residual = frozen.beta * smallest_fault;
+    progress(Step::Certify);
+    let (certified, a_posteriori) =
+        certified(&theorem, gains, &frozen, smallest_fault, bound).ok().unzip();
     let evaluation = evaluate(spec, &theorem, gains, smallest_fault_residual, progress)?;
 
     let mut design = Design {
@@ -157,7 +164,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             beta_bound: theorem.beta_bound(),
             gap: beta * smallest_fault / (gamma * bound),
             solver: SOLVER.into(),
-            status: status(&margins, synthesis.status),
+            status: unproven(synthesis.status),
             solver_status: format!("{:?}", synthesis.status),
             iterations: synthesis.iterations,
             largest_beta: LargestBeta {
@@ -172,7 +179,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             detection_ratio: None,
             noise_rms: None,
             frozen: FrozenRecord::new(frozen, smallest_fault, bound),
-            certified: None,
+            certified,
             norm: "2-norm of the stacked disturbances, each in proportion to its bound".into(),
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&matrix(&n))),
             smallest_fault_residual,
@@ -186,13 +193,26 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             q_f: rows(&lyapunov.q_f),
             r: rows(&lyapunov.r),
             margins,
+            a_posteriori,
         },
         spec: spec.clone(),
         hash: String::new(),
     };
     design.configuration().check()?;
-    design.hash = design.computed_hash()?;
+    sign(&mut design)?;
     Ok(design)
+}
+
+/// Gives the design its status and hash. Only the proof of the very file grants "certified".
+fn sign(design: &mut Design) -> Result<(), DesignError> {
+    let unproven = design.synthesis.status;
+    design.synthesis.status = DesignStatus::Certified;
+    design.hash = design.computed_hash()?;
+    if steerguard_verify::verify(&design.to_json()?).is_err() {
+        design.synthesis.status = unproven;
+        design.hash = design.computed_hash()?;
+    }
+    Ok(())
 }
 
 /// The paper's problem: the largest beta subject to (31)-(33) with the given gamma.
@@ -276,12 +296,11 @@ fn evaluate(
     })
 }
 
-/// Only the check grants "certified".
-fn status(margins: &Check, solver: SolverStatus) -> DesignStatus {
-    match (margins.holds(), solver) {
-        (true, _) => DesignStatus::Certified,
-        (false, SolverStatus::AlmostSolved) => DesignStatus::AlmostSolved,
-        (false, _) => DesignStatus::Uncertified,
+/// What a design may be called without a proof.
+fn unproven(solver: SolverStatus) -> DesignStatus {
+    match solver {
+        SolverStatus::AlmostSolved => DesignStatus::AlmostSolved,
+        _ => DesignStatus::Uncertified,
     }
 }
 

@@ -5,19 +5,19 @@
 //! - Matrices are arrays of rows, gains in the rules' order of [`steerguard_detector`].
 //! - Numbers are written so that they read back bit for bit; the same specification gives the same
 //!   bytes.
-//! - `hash` is the SHA-256, in hexadecimal, of the file's canonical text (as written here) without
-//!   this key. Layout may change freely, numbers may not.
+//! - `hash` is the SHA-256 of the content, [`steerguard_verify::content_hash`]. Layout may change
+//!   freely, numbers may not.
 //! - Keys without a value yet are null.
 
 use std::io;
 
 use serde::{Deserialize, Serialize};
 use serde_json::ser::{Formatter, Serializer};
-use sha2::{Digest, Sha256};
 use steerguard_detector::{Configuration, ConfigurationError, Evaluation, Gains, RULES, Vehicle};
 
 use crate::calibration::Level;
 use crate::certificate::{Check, Margin};
+use crate::certified::{APosteriori, CertifiedFigures};
 use crate::frequency::Frozen;
 use crate::spec::{MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
 use crate::spec_error::SpecError;
@@ -188,11 +188,12 @@ pub struct LargestBeta {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DesignStatus {
-    /// The inequalities hold for the stored gains by a check apart from the solver.
+    /// `performance.certified` is proven for the stored gains in exact arithmetic, by
+    /// [`steerguard_verify::verify`].
     Certified,
-    /// The solver says solved; the check does not confirm it.
+    /// The solver says solved; there is no proof.
     Uncertified,
-    /// The solver says almost solved; the check does not confirm it.
+    /// The solver says almost solved; there is no proof.
     AlmostSolved,
 }
 
@@ -208,8 +209,9 @@ pub struct Performance {
     pub noise_rms: Option<f64>,
     /// Worst gains at frozen operating points.
     pub frozen: FrozenRecord,
-    /// Certified a posteriori with free multipliers: not computed yet.
-    pub certified: Option<f64>,
+    /// Certified for the gains as stored, with free multipliers; null where there is no
+    /// certificate.
+    pub certified: Option<CertifiedFigures>,
     /// The norm that the figures above are in.
     pub norm: String,
     /// Spectral radius of each N_i.
@@ -269,6 +271,9 @@ pub struct Certificate {
     pub r: Rows3,
     /// Margins of the inequalities at these matrices and the gains above.
     pub margins: Check,
+    /// The matrices behind `performance.certified`, with P_s for its decay; null where there are
+    /// none.
+    pub a_posteriori: Option<APosteriori>,
 }
 
 /// Why a design file is refused.
@@ -351,9 +356,7 @@ impl Design {
     /// # Errors
     /// As [`Self::to_json`].
     pub fn computed_hash(&self) -> Result<String, serde_json::Error> {
-        let text = Self { hash: String::new(), ..self.clone() }.to_json()?;
-        let digest = Sha256::digest(text.as_bytes());
-        Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+        Ok(steerguard_verify::content_hash(&serde_json::to_value(self)?))
     }
 
     /// What the detector is told.

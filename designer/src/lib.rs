@@ -14,6 +14,7 @@
 
 pub mod calibration;
 pub mod certificate;
+pub mod certified;
 mod design;
 mod design_file;
 pub mod frequency;
@@ -26,6 +27,7 @@ pub mod start_up;
 pub mod synthesis;
 pub mod theorem4;
 
+pub use certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::{DesignError, Step, design};
 pub use design_file::{
     Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign, FORMAT, FrozenRecord,

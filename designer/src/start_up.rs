@@ -21,6 +21,8 @@ use crate::theorem4::{for_all, matrix};
 const DECAY_RATES: u32 = 12;
 /// Margin of the inequalities, in units of the larger weight squared.
 const MARGIN: f64 = 1e-7;
+/// Makes up for the rounding of the amplitude.
+const ROUNDED_UP: f64 = 1.0 + 16.0 * f64::EPSILON;
 /// Longest start-up considered, samples.
 const LONGEST: u32 = 100_000;
 
@@ -110,7 +112,7 @@ fn bound_at(
         1.0 + p_norm * (1.0 + n_norm * n_norm),
     );
     margin.holds().then(|| StartUpBound {
-        amplitude: unit * largest.sqrt() * v_y,
+        amplitude: unit * largest.sqrt() * v_y * ROUNDED_UP,
         decay,
         p: p.map(|p| p * (unit * unit)),
         margin,

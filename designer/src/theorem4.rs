@@ -56,7 +56,7 @@ impl Band {
 
     /// `[P_i - 2 cos(theta) Q, 0, Q; 0, 0, 0; Q, 0, -P_k]` for `inputs` inputs; Q changes its sign
     /// for a high band and is absent for the full one.
-    fn base(self, p_i: &Affine, p_k: &Affine, q: &Affine, inputs: usize) -> Affine {
+    pub(crate) fn base(self, p_i: &Affine, p_k: &Affine, q: &Affine, inputs: usize) -> Affine {
         let (theta, q) = match self {
             Self::Low(theta) => (theta, q.clone()),
             Self::High(theta) => (theta, -q),
@@ -311,7 +311,7 @@ pub(crate) fn for_all(mut visit: impl FnMut(usize, usize, usize)) {
 }
 
 /// `diag(residual, input, 0)` over (e, input, e+).
-fn diagonal(residual: &Affine, input: &Affine) -> Affine {
+pub(crate) fn diagonal(residual: &Affine, input: &Affine) -> Affine {
     let m = input.order();
     let zero = Affine::zeros;
     Affine::blocks([

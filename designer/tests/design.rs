@@ -264,6 +264,7 @@ fn progress_names_every_step() {
             Step::SmallestGamma,
             Step::Check,
             Step::Frozen,
+            Step::Certify,
             Step::StartUp,
             Step::Calibration { done: 0, of: 4 },
             Step::Calibration { done: 1, of: 4 },

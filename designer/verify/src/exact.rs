@@ -50,9 +50,13 @@ impl Matrix {
 
     /// The unit matrix.
     pub fn identity(order: usize) -> Self {
-        Self::new(order, order, |row, column| {
-            if row == column { Rational::one() } else { Rational::zero() }
-        })
+        Self::new(
+            order,
+            order,
+            |row, column| {
+                if row == column { Rational::one() } else { Rational::zero() }
+            },
+        )
     }
 
     /// All zero.
@@ -134,9 +138,8 @@ impl Matrix {
         // In whole numbers, without fractions on the way: E. H. Bareiss, Mathematics of Computation
         // 22 (1968) 565-578. After step k, x[k][k] is the leading minor of order k + 1.
         let denominators = self.rows.iter().flatten().map(Rational::denom);
-        let common = denominators.fold(BigInt::one(), |common, denominator| {
-            common.lcm(denominator)
-        });
+        let common =
+            denominators.fold(BigInt::one(), |common, denominator| common.lcm(denominator));
         let mut x: Vec<Vec<BigInt>> = self
             .rows
             .iter()

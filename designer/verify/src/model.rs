@@ -189,7 +189,6 @@ fn cosine(x: &Rational, last: i64) -> Rational {
     sum
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

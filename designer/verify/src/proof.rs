@@ -76,7 +76,9 @@ impl fmt::Display for Combination {
             Self::Rule(i) => write!(f, "rule i = {i}"),
             Self::Q => write!(f, "Q > 0"),
             Self::Successor { i, k, rho } => write!(f, "rules i = {i}, k = {k}, rho = {rho}"),
-            Self::Pair { i, j, k, rho } => write!(f, "rules i = {i}, j = {j}, k = {k}, rho = {rho}"),
+            Self::Pair { i, j, k, rho } => {
+                write!(f, "rules i = {i}, j = {j}, k = {k}, rho = {rho}")
+            }
         }
     }
 }
@@ -115,11 +117,8 @@ impl ErrorDynamics {
 /// # Errors
 /// [`Refusal::Residue`]: more than rounding.
 pub fn residues(design: &Design) -> Result<Residues, Refusal> {
-    let [c, e, m] = [
-        Matrix::exactly(&design.c),
-        Matrix::exactly(&design.e),
-        Matrix::exactly(&design.m),
-    ];
+    let [c, e, m] =
+        [Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m)];
     let m_equation = &m - &(&Matrix::identity(3) + &(&e * &c));
     let mut observer_equation = whole(0);
     let mut l_equation = whole(0);
@@ -169,13 +168,7 @@ pub fn prove(design: &Design) -> Result<(Figures, Vec<Margin>), Refusal> {
     let margins = vec![
         prove_decay(&dynamics, &design.certificate.p_s, decay)?,
         prove_start_up(&dynamics, design)?,
-        gain(
-            Family::FaultSensitivity,
-            &certificate.beta,
-            &channels.fault_band,
-            &from_fault,
-            beta,
-        )?,
+        gain(Family::FaultSensitivity, &certificate.beta, &channels.fault_band, &from_fault, beta)?,
         gain(
             Family::DisturbanceAttenuation,
             &certificate.gamma,
@@ -261,11 +254,14 @@ fn check_figures(claimed: &Certified, channels: &Channels) -> Result<(), Refusal
         ("decay", claimed.decay),
     ] {
         if value <= 0.0 {
-            return Err(Refusal::NotPositive { key: format!("performance.certified.{key}"), value });
+            return Err(Refusal::NotPositive {
+                key: format!("performance.certified.{key}"),
+                value,
+            });
         }
     }
-    let gap = exact(claimed.beta) * &channels.smallest_fault
-        / (exact(claimed.gamma) * &channels.bound);
+    let gap =
+        exact(claimed.beta) * &channels.smallest_fault / (exact(claimed.gamma) * &channels.bound);
     if exact(claimed.gap) > gap {
         let (key, proven) = ("performance.certified.gap", approximate(&gap));
         return Err(Refusal::Claim { key, claimed: claimed.gap, proven });
@@ -293,9 +289,11 @@ impl Tally {
     /// Proves `X > 0`.
     fn prove(&mut self, x: &Matrix, combination: Combination) -> Result<(), Refusal> {
         let family = self.margin.family;
-        let pivot = x
-            .positive_definite()
-            .map_err(|reason| Refusal::Broken { family, combination, reason })?;
+        let pivot = x.positive_definite().map_err(|reason| Refusal::Broken {
+            family,
+            combination,
+            reason,
+        })?;
         self.margin.inequalities += 1;
         self.margin.smallest_pivot = self.margin.smallest_pivot.min(pivot);
         Ok(())
@@ -432,8 +430,7 @@ fn prove_gain(
         let course: Vec<Matrix> =
             n.iter().map(|n| Matrix::blocks(&[&[n, input, &minus_identity]])).collect();
         for k in 0..RULES {
-            let minus_l =
-                |i: usize, j: usize| -&(&base(i, k) + &(&x[j][k] * &course[i]).he());
+            let minus_l = |i: usize, j: usize| -&(&base(i, k) + &(&x[j][k] * &course[i]).he());
             for i in 0..RULES {
                 tally.prove(&minus_l(i, i), Combination::Pair { i, j: i, k, rho })?;
                 for j in i + 1..RULES {

@@ -130,17 +130,18 @@ fn slow_error(band: &Band) -> String {
         Band::High(theta) => (theta.approximate(), ">="),
         Band::Full => return "at all".into(),
     };
-    format!(
-        "whose error obeys sum (e+ - e)(e+ - e)' {relation} 4 sin^2({theta:.6} / 2) sum e e'"
-    )
+    format!("whose error obeys sum (e+ - e)(e+ - e)' {relation} 4 sin^2({theta:.6} / 2) sum e e'")
 }
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Figures { beta, gamma, gap, gamma_full_band, decay } = self.figures;
         writeln!(f, "certified: design {}", self.hash)?;
-        writeln!(f, "  gap {gap:.4} = beta {beta:.6} to gamma {gamma:.6}, in units of smallest \
-                     fault and bounds")?;
+        writeln!(
+            f,
+            "  gap {gap:.4} = beta {beta:.6} to gamma {gamma:.6}, in units of smallest \
+                     fault and bounds"
+        )?;
         writeln!(f, "  gamma of the full band {gamma_full_band:.6}, decay {decay} a sample")?;
         writeln!(f, "proven in exact arithmetic, for the gains as stored:")?;
         for statement in &self.statements {
