@@ -1,5 +1,7 @@
 //! Specifications as users write them: the paper's file, and every kind of mistake.
 
+#![allow(clippy::expect_used)]
+
 use steerguard_designer::spec::{Disturbance, Fault, MultiplierV};
 use steerguard_designer::{Spec, SpecError};
 
