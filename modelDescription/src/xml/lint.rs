@@ -3,7 +3,7 @@
 //! Rules are those of FMI 2.0.4, section 2.2, as far as XML schema validation does not cover them or
 //! importers are known to trip over them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use super::tree::{Element, parse};
@@ -14,10 +14,23 @@ const FILE: &str = "modelDescription.xml";
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
+    /// Nothing is wrong, but it could be better.
+    Note,
     /// Importers may well cope.
     Warning,
     /// Against the standard.
     Error,
+}
+
+impl Level {
+    /// The word for it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
 }
 
 /// A finding about an FMU.
@@ -37,11 +50,7 @@ pub struct Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let level = match self.level {
-            Level::Warning => "warning",
-            Level::Error => "error",
-        };
-        writeln!(f, "{level}[{}]: {}", self.code, self.message)?;
+        writeln!(f, "{}[{}]: {}", self.level.name(), self.code, self.message)?;
         writeln!(f, "  --> {}", self.location)?;
         write!(f, "  = help: {}", self.help)
     }
@@ -189,7 +198,7 @@ impl Linter {
     }
 
     /// Item values of the enumerations; `None` for other types.
-    fn types<'e>(&mut self, root: &'e Element) -> HashMap<&'e str, Option<Vec<i64>>> {
+    fn types<'e>(&mut self, root: &'e Element) -> HashMap<&'e str, Option<HashSet<i64>>> {
         let types = root.list("TypeDefinitions");
         self.distinct(types, "type");
         let mut declared = HashMap::new();
@@ -201,16 +210,16 @@ impl Linter {
         declared
     }
 
-    fn items(&mut self, name: &str, enumeration: &Element) -> Vec<i64> {
+    fn items(&mut self, name: &str, enumeration: &Element) -> HashSet<i64> {
         self.distinct(&enumeration.children, "enumeration item");
-        let mut values = Vec::new();
+        let mut values = HashSet::new();
         for item in &enumeration.children {
             match item.attribute("value").and_then(|value| value.parse().ok()) {
-                Some(value) if values.contains(&value) => {
+                Some(value) if values.insert(value) => {}
+                Some(value) => {
                     let message = format!("value {value} appears twice in enumeration \"{name}\"");
                     self.error(item, "enumeration-duplicate", message, "values must be unique");
                 }
-                Some(value) => values.push(value),
                 None => {
                     let message = format!("an item of enumeration \"{name}\" has no integer value");
                     self.error(item, "enumeration-value", message, "give it one");
@@ -255,7 +264,7 @@ impl Linter {
         &mut self,
         variable: &Element,
         units: &HashMap<&str, Vec<&str>>,
-        types: &HashMap<&str, Option<Vec<i64>>>,
+        types: &HashMap<&str, Option<HashSet<i64>>>,
     ) {
         let name = format!("\"{}\"", variable.attribute("name").unwrap_or_default());
         let reference = variable.attribute("valueReference");
@@ -370,7 +379,7 @@ impl Linter {
         }
     }
 
-    fn enumeration(&mut self, kind: &Element, name: &str, types: &HashMap<&str, Option<Vec<i64>>>) {
+    fn enumeration(&mut self, kind: &Element, name: &str, types: &HashMap<&str, Option<HashSet<i64>>>) {
         let declared = kind.attribute("declaredType").unwrap_or_default();
         let Some(Some(values)) = types.get(declared) else {
             let message = format!("{name} has the type \"{declared}\", which is no enumeration");
@@ -432,7 +441,7 @@ impl Linter {
         wanted: &dyn Fn(&Element) -> bool,
         only: bool,
     ) {
-        let mut listed = Vec::new();
+        let mut listed = HashSet::new();
         for unknown in structure.list(list) {
             let index = unknown.attribute("index").and_then(|index| index.parse::<usize>().ok());
             let variable =
@@ -443,11 +452,10 @@ impl Linter {
                 continue;
             };
             let name = variable.attribute("name").unwrap_or_default();
-            if listed.contains(&index) {
+            if !listed.insert(index) {
                 let message = format!("\"{name}\" is listed twice in {list}");
                 self.error(unknown, "structure-index", message, "list it once");
             }
-            listed.push(index);
             if only && !wanted(variable) {
                 let message = format!("\"{name}\" is listed in {list} but is no output");
                 self.error(unknown, "structure-index", message, "remove it");

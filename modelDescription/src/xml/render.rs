@@ -35,15 +35,20 @@ pub fn describe<'a, V: VariableSet>(
     start: impl Fn(V) -> Value<'a>,
     experiment: &DefaultExperiment,
 ) -> io::Result<Rendered> {
-    let blank = render(info, "", &start, experiment)?;
+    let guid = digest(&render(info, "", &start, experiment)?);
+    let xml = render(info, &guid, &start, experiment)?;
+    Ok(Rendered { guid, xml })
+}
+
+/// The GUID that belongs to a description with an empty GUID.
+pub fn digest(blank: &str) -> String {
     let mut guid = String::from("{");
     for (i, byte) in Sha256::digest(blank.as_bytes()).iter().take(16).enumerate() {
         let dash = if matches!(i, 4 | 6 | 8 | 10) { "-" } else { "" };
         let _ = write!(guid, "{dash}{byte:02x}"); // writing to a String cannot fail
     }
     guid.push('}');
-    let xml = render(info, &guid, &start, experiment)?;
-    Ok(Rendered { guid, xml })
+    guid
 }
 
 /// Renders the description of a model. `start` gives a variable's value in a fresh instance; it is

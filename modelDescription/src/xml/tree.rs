@@ -6,6 +6,9 @@ use quick_xml::reader::Reader;
 /// Deepest nesting that is read; the schema needs five levels.
 const DEEPEST: usize = 64;
 
+/// Most attributes of an element that are read; the schema knows no element with twenty.
+const MOST_ATTRIBUTES: usize = 256;
+
 /// An element with its attributes and child elements; text and comments are not kept.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Element {
@@ -90,6 +93,10 @@ fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element, Malformed> {
     let malformed = |reason: String| Malformed { line, reason };
     let mut attributes = Vec::new();
     for attribute in tag.attributes() {
+        if attributes.len() == MOST_ATTRIBUTES {
+            let reason = format!("an element with more than {MOST_ATTRIBUTES} attributes");
+            return Err(malformed(reason));
+        }
         let attribute = attribute.map_err(|error| malformed(error.to_string()))?;
         let value = attribute
             .normalized_value(quick_xml::XmlVersion::Implicit1_0)
