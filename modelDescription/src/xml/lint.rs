@@ -379,7 +379,12 @@ impl Linter {
         }
     }
 
-    fn enumeration(&mut self, kind: &Element, name: &str, types: &HashMap<&str, Option<HashSet<i64>>>) {
+    fn enumeration(
+        &mut self,
+        kind: &Element,
+        name: &str,
+        types: &HashMap<&str, Option<HashSet<i64>>>,
+    ) {
         let declared = kind.attribute("declaredType").unwrap_or_default();
         let Some(Some(values)) = types.get(declared) else {
             let message = format!("{name} has the type \"{declared}\", which is no enumeration");
