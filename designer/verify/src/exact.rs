@@ -30,17 +30,26 @@ pub fn approximate(x: &Rational) -> f64 {
     x.to_f64().unwrap_or(f64::NAN)
 }
 
-/// A matrix as its rows.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A matrix: whole numbers over one positive denominator, which costs no search for common divisors
+/// in products.
+#[derive(Clone, Debug)]
 pub struct Matrix {
-    rows: Vec<Vec<Rational>>,
+    numerators: Vec<Vec<BigInt>>,
+    denominator: BigInt,
 }
 
 impl Matrix {
     /// The matrix whose element at (row, column) is `element(row, column)`.
     pub fn new(rows: usize, columns: usize, element: impl Fn(usize, usize) -> Rational) -> Self {
         let row = |row| (0..columns).map(|column| element(row, column)).collect();
-        Self { rows: (0..rows).map(row).collect() }
+        let elements: Vec<Vec<Rational>> = (0..rows).map(row).collect();
+        let denominators = elements.iter().flatten().map(Rational::denom);
+        let denominator = denominators.fold(BigInt::one(), |common, x| common.lcm(x));
+        let numerators = elements
+            .iter()
+            .map(|row| row.iter().map(|x| x.numer() * (&denominator / x.denom())).collect())
+            .collect();
+        Self { numerators, denominator }
     }
 
     /// The exact values of `rows`.
@@ -50,49 +59,48 @@ impl Matrix {
 
     /// The unit matrix.
     pub fn identity(order: usize) -> Self {
-        Self::new(
-            order,
-            order,
-            |row, column| {
-                if row == column { Rational::one() } else { Rational::zero() }
-            },
-        )
+        Self::new(order, order, |row, column| whole(i64::from(row == column)))
     }
 
     /// All zero.
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self::new(rows, columns, |_, _| Rational::zero())
+        Self::new(rows, columns, |_, _| whole(0))
     }
 
     /// The matrix of the given blocks, row by row.
     pub fn blocks(blocks: &[&[&Self]]) -> Self {
-        let beside = |blocks: &&[&Self]| -> Vec<Vec<Rational>> {
-            let height = blocks.first().map_or(0, |block| block.rows.len());
+        let denominators = blocks.iter().flat_map(|row| row.iter()).map(|block| &block.denominator);
+        let denominator = denominators.fold(BigInt::one(), |common, x| common.lcm(x));
+        let beside = |blocks: &&[&Self]| -> Vec<Vec<BigInt>> {
+            let scaled: Vec<_> = blocks.iter().map(|block| block.over(&denominator)).collect();
+            let height = scaled.first().map_or(0, Vec::len);
             (0..height)
-                .map(|row| blocks.iter().flat_map(|block| block.rows[row].clone()).collect())
+                .map(|row| scaled.iter().flat_map(|block| block[row].clone()).collect())
                 .collect()
         };
-        Self { rows: blocks.iter().flat_map(beside).collect() }
+        Self { numerators: blocks.iter().flat_map(beside).collect(), denominator }
     }
 
     /// Number of rows.
     pub fn height(&self) -> usize {
-        self.rows.len()
+        self.numerators.len()
     }
 
     /// Number of columns.
     pub fn width(&self) -> usize {
-        self.rows.first().map_or(0, Vec::len)
+        self.numerators.first().map_or(0, Vec::len)
     }
 
     /// The element at (row, column).
-    pub fn at(&self, row: usize, column: usize) -> &Rational {
-        &self.rows[row][column]
+    pub fn at(&self, row: usize, column: usize) -> Rational {
+        Rational::new(self.numerators[row][column].clone(), self.denominator.clone())
     }
 
     /// X'.
     pub fn transpose(&self) -> Self {
-        Self::new(self.width(), self.height(), |row, column| self.at(column, row).clone())
+        let row = |row: usize| self.numerators.iter().map(|x| x[row].clone()).collect();
+        let numerators = (0..self.width()).map(row).collect();
+        Self { numerators, denominator: self.denominator.clone() }
     }
 
     /// `He(X) = X + X'`.
@@ -102,28 +110,37 @@ impl Matrix {
 
     /// `x X`.
     pub fn times(&self, x: &Rational) -> Self {
-        self.map(|element| element * x)
+        Self {
+            numerators: map(&self.numerators, |element| element * x.numer()),
+            denominator: &self.denominator * x.denom(),
+        }
     }
 
     /// Whether X = X'.
     pub fn is_symmetric(&self) -> bool {
-        *self == self.transpose()
+        self.numerators == self.transpose().numerators
     }
 
     /// Largest magnitude of an element.
     pub fn largest(&self) -> Rational {
-        let magnitudes = self.rows.iter().flatten().map(Signed::abs);
-        magnitudes.max().unwrap_or_else(Rational::zero)
+        let magnitudes = self.numerators.iter().flatten().map(Signed::abs);
+        let largest = magnitudes.max().unwrap_or_else(BigInt::zero);
+        Rational::new(largest, self.denominator.clone())
     }
 
-    fn map(&self, f: impl Fn(&Rational) -> Rational) -> Self {
-        Self { rows: self.rows.iter().map(|row| row.iter().map(&f).collect()).collect() }
+    /// The numerators over another denominator, a multiple of the matrix's own.
+    fn over(&self, denominator: &BigInt) -> Vec<Vec<BigInt>> {
+        let factor = denominator / &self.denominator;
+        map(&self.numerators, |x| x * &factor)
     }
 
-    fn zip(&self, other: &Self, f: impl Fn(&Rational, &Rational) -> Rational) -> Self {
-        Self::new(self.height(), self.width(), |row, column| {
-            f(self.at(row, column), other.at(row, column))
-        })
+    /// Element by element.
+    fn zip(&self, other: &Self, f: impl Fn(&BigInt, &BigInt) -> BigInt) -> Self {
+        let denominator = self.denominator.lcm(&other.denominator);
+        let rows = self.over(&denominator).into_iter().zip(other.over(&denominator));
+        let numerators =
+            rows.map(|(a, b)| a.iter().zip(&b).map(|(a, b)| f(a, b)).collect()).collect();
+        Self { numerators, denominator }
     }
 
     /// Proves a symmetric matrix positive definite: all pivots of its elimination without exchange
@@ -137,14 +154,7 @@ impl Matrix {
     pub fn positive_definite(&self) -> Result<f64, NotPositive> {
         // In whole numbers, without fractions on the way: E. H. Bareiss, Mathematics of Computation
         // 22 (1968) 565-578. After step k, x[k][k] is the leading minor of order k + 1.
-        let denominators = self.rows.iter().flatten().map(Rational::denom);
-        let common =
-            denominators.fold(BigInt::one(), |common, denominator| common.lcm(denominator));
-        let mut x: Vec<Vec<BigInt>> = self
-            .rows
-            .iter()
-            .map(|row| row.iter().map(|x| x.numer() * (&common / x.denom())).collect())
-            .collect();
+        let mut x = self.numerators.clone();
         let order = x.len();
         let diagonal: Vec<BigInt> = (0..order).map(|k| x[k][k].clone()).collect();
 
@@ -196,20 +206,34 @@ impl Sub for &Matrix {
 impl Neg for &Matrix {
     type Output = Matrix;
     fn neg(self) -> Matrix {
-        self.map(|x| -x)
+        Matrix { numerators: map(&self.numerators, |x| -x), denominator: self.denominator.clone() }
     }
 }
 
 impl Mul for &Matrix {
     type Output = Matrix;
     fn mul(self, other: &Matrix) -> Matrix {
-        Matrix::new(self.height(), other.width(), |row, column| {
-            let products = (0..other.height())
-                .filter(|&k| !self.at(row, k).is_zero() && !other.at(k, column).is_zero())
-                .map(|k| self.at(row, k) * other.at(k, column));
-            products.fold(Rational::zero(), |sum, product| sum + product)
-        })
+        let element = |row: &[BigInt], column: usize| {
+            let products = row.iter().zip(&other.numerators).map(|(x, row)| x * &row[column]);
+            products.fold(BigInt::zero(), |sum, product| sum + product)
+        };
+        let row = |row: &Vec<BigInt>| (0..other.width()).map(|k| element(row, k)).collect();
+        Matrix {
+            numerators: self.numerators.iter().map(row).collect(),
+            denominator: &self.denominator * &other.denominator,
+        }
     }
+}
+
+impl PartialEq for Matrix {
+    fn eq(&self, other: &Self) -> bool {
+        (self.height(), self.width()) == (other.height(), other.width())
+            && (self - other).largest().is_zero()
+    }
+}
+
+fn map(rows: &[Vec<BigInt>], f: impl Fn(&BigInt) -> BigInt) -> Vec<Vec<BigInt>> {
+    rows.iter().map(|row| row.iter().map(&f).collect()).collect()
 }
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
         Fault::Torque { .. } => 0,
         Fault::Steering { .. } => 1,
     };
-    let f = Matrix::new(3, 1, |row, _| b.at(row, fault).clone());
+    let f = Matrix::new(3, 1, |row, _| b.at(row, fault));
     agree("F", &Matrix::exactly(&design.f), &f)?;
     let directions: Vec<_> =
         design.spec.disturbance.iter().map(|d| direction(d, &mass, &yaw_inertia)).collect();
@@ -111,7 +111,7 @@ fn direction(disturbance: &Disturbance, mass: &Rational, yaw_inertia: &Rational)
 
 fn agree(key: &str, stored: &Matrix, recomputed: &Matrix) -> Result<(), Refusal> {
     for column in 0..recomputed.width() {
-        let of_column = |x: &Matrix| Matrix::new(3, 1, |row, _| x.at(row, column).clone());
+        let of_column = |x: &Matrix| Matrix::new(3, 1, |row, _| x.at(row, column));
         let (stored, recomputed) = (of_column(stored), of_column(recomputed));
         let difference = (&stored - &recomputed).largest();
         if difference > recomputed.largest() * exact(AGREEMENT) {

@@ -1,0 +1,38 @@
+//! The program: what it prints and its exit status.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn run(arguments: &[&Path]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_steerguard-verify")).args(arguments).output().unwrap()
+}
+
+/// A file with the given text in the folder for this test run.
+fn file(name: &str, text: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn exit_status_tells_proven_from_changed_from_unreadable() {
+    let paper = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/paper.json");
+    let text = std::fs::read_to_string(paper).unwrap();
+    let proven = run(&[Path::new(paper)]);
+    assert_eq!(proven.status.code(), Some(0));
+    let printed = String::from_utf8(proven.stdout).unwrap();
+    assert!(printed.starts_with("certified") && printed.contains("margins"), "{printed}");
+
+    let changed = file("changed.json", &text.replacen("\"decay\": 0.97", "\"decay\": 0.96", 1));
+    let refused = run(&[&changed]);
+    assert_eq!(refused.status.code(), Some(1));
+    let error = String::from_utf8(refused.stderr).unwrap();
+    assert!(error.contains("not certified") && error.contains("hash"), "{error}");
+
+    let foreign = file("foreign.json", "{\"format\": \"another\"}");
+    for arguments in [&[][..], &[Path::new("no such file")], &[&foreign], &[&foreign, &foreign]] {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty());
+    }
+}
