@@ -1,5 +1,7 @@
 //! The connected system: reproducible, and its FMUs are the packaged ones.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use std::io::{Cursor, Read};
