@@ -1,6 +1,6 @@
 //! Loads, runs and unloads the detector library many times, for valgrind to watch:
 //! `life_cycle LIBRARY GUID [LIVES]`. Nothing else goes on in this program.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::ffi::{CStr, CString, c_char};
 use std::path::Path;

@@ -114,9 +114,9 @@ unsafe extern "C" fn receive(
     COUNTS.set(Counts { messages: counts().messages + 1, ..counts() });
     assert_eq!(from, environment(), "the environment pointer comes back");
     assert!((0..=4).contains(&status.0), "status {status:?} of a message");
-    // SAFETY: the standard has both be NUL-terminated and valid during the call.
     let [category, message] = [category, message].map(|text| {
         assert!(!text.is_null(), "a message has a category and a text");
+        // SAFETY: the standard has both be NUL-terminated and valid during the call.
         unsafe { CStr::from_ptr(text) }.to_str().expect("messages are UTF-8")
     });
     assert!(CATEGORIES.contains(&category), "category {category:?}");

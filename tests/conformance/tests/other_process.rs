@@ -2,7 +2,7 @@
 //!
 //! The test starts its own program again, for the test `continue_from_file` alone, which finds in its
 //! environment what to do.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 
