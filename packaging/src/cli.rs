@@ -13,7 +13,7 @@ the FMU against a reference vehicle with a 0.5 degree steering fault, and prints
 Examples:
   steerguard                                     the main job, into steerguard-out/
   steerguard design my-car.toml -o design.json   gains for your vehicle
-  steerguard verify design.json                  independent re-check
+  steerguard verify design.json                  independent proof in exact arithmetic
   steerguard package design.json                 SteeringFaultDetector.fmu
   steerguard check SteeringFaultDetector.fmu     what importers may trip over
   steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
@@ -42,7 +42,7 @@ pub struct Cli {
 pub enum Command {
     /// Compute the gains and the threshold for a vehicle and specification
     Design(DesignArguments),
-    /// Re-check a design file without the solver
+    /// Prove a design file in exact arithmetic, without the solver
     Verify(VerifyArguments),
     /// Package a design as SteeringFaultDetector.fmu
     Package(PackageArguments),

@@ -23,8 +23,12 @@ pub struct DesignSummary {
     pub gamma: f64,
     /// beta / gamma in units of smallest fault and disturbance bound.
     pub gap: f64,
+    /// The same, certified a posteriori for the gains as stored; `None` without a certificate.
+    pub certified_gap: Option<f64>,
     /// The same at frozen operating points.
     pub frozen_gap: f64,
+    /// Smallest eigenvalues of (31), (32), (33) for the gains, all to be positive.
+    pub margins: [f64; 3],
     /// Largest spectral radius of the rules at the lowest and the highest speed.
     pub spectral_radii: [f64; 2],
     /// Lowest and highest speed of the design range, m/s.
@@ -43,6 +47,7 @@ impl DesignSummary {
     /// The figures of `design`.
     pub fn of(design: &Design) -> Self {
         let (synthesis, performance) = (&design.synthesis, &design.performance);
+        let margins = &design.certificate.margins;
         let [slow_1, slow_2, fast_1, fast_2] = performance.spectral_radii;
         Self {
             status: synthesis.status,
@@ -52,7 +57,13 @@ impl DesignSummary {
             beta_bound: synthesis.beta_bound,
             gamma: synthesis.gamma,
             gap: synthesis.gap,
+            certified_gap: performance.certified.as_ref().map(|certified| certified.gap),
             frozen_gap: performance.frozen.gap,
+            margins: [
+                margins.disturbance_attenuation.smallest_eigenvalue,
+                margins.fault_sensitivity.smallest_eigenvalue,
+                margins.stability.smallest_eigenvalue,
+            ],
             spectral_radii: [slow_1.max(slow_2), fast_1.max(fast_2)],
             speeds_m_per_s: design.premise.v_x_m_per_s,
             threshold: design.evaluation.threshold,
@@ -62,12 +73,13 @@ impl DesignSummary {
         }
     }
 
-    /// Aligned lines for people.
-    pub fn text(&self) -> String {
+    /// Aligned lines for people; `proof` is what a check of the design file said.
+    pub fn text(&self, proof: Option<&str>) -> String {
         let [slow, fast] = self.speeds_m_per_s;
         let [at_slow, at_fast] = self.spectral_radii;
+        let [at_31, at_32, at_33] = self.margins;
         let rows = [
-            ("status", status(self.status).to_owned(), String::new()),
+            ("status", status(self.status).to_owned(), proof.unwrap_or_default().to_owned()),
             (
                 "beta",
                 format!("{:.6}", self.beta),
@@ -77,7 +89,16 @@ impl DesignSummary {
             (
                 "gap",
                 format!("{:.3}", self.gap),
-                format!("at frozen operating points {:.3}", self.frozen_gap),
+                format!(
+                    "{}at frozen operating points {:.3}",
+                    self.certified_gap.map_or(String::new(), |gap| format!("certified {gap:.3}, ")),
+                    self.frozen_gap
+                ),
+            ),
+            (
+                "least eigenvalue",
+                format!("{:.2e}", at_31.min(at_32).min(at_33)),
+                format!("(31) {at_31:.2e}, (32) {at_32:.2e}, (33) {at_33:.2e}"),
             ),
             (
                 "spectral radius",

@@ -16,7 +16,6 @@ pub mod package;
 pub mod platform;
 pub mod plot;
 pub mod progress;
-pub mod recheck;
 pub mod reference;
 pub mod report;
 pub mod runtime;

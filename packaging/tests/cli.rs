@@ -84,7 +84,7 @@ fn entries(folder: &TempDir) -> Vec<String> {
 #[test]
 fn a_sound_design_is_verified_and_a_changed_one_is_not() {
     let folder = folder();
-    assert!(success(folder.path(), &["verify", "design.json"]).contains("holds"));
+    assert!(success(folder.path(), &["verify", "design.json"]).contains("certified"));
     let json = success(folder.path(), &["verify", "design.json", "--json"]);
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(value["holds"], true);
@@ -228,7 +228,7 @@ fn the_main_job_detects_the_fault_in_time() {
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     assert!((number(&design["largest_beta"]) - 0.355856).abs() < 1e-3);
     assert!((number(&design["beta_bound"]) - 0.355856).abs() < 1e-6);
-    assert_eq!(value["check"]["holds"], true);
+    assert_eq!(value["proof"]["holds"], true);
 
     let detections = value["detections"].as_array().unwrap();
     assert_eq!(detections.len(), 4);

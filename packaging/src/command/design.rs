@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failu
     write(&design, &arguments.output)?;
     let outcome = Outcome { design: DesignSummary::of(&design), file: &arguments.output };
     let file = arguments.output.display();
-    print(json, &outcome, &format!("Design\n{}\n  {file}\n", outcome.design.text()))?;
+    print(json, &outcome, &format!("Design\n{}\n  {file}\n", outcome.design.text(None)))?;
     Ok(exit(&design))
 }
 

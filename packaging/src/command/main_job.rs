@@ -20,7 +20,7 @@ use crate::simulation::Files;
 #[derive(Serialize)]
 struct Outcome {
     design: DesignSummary,
-    check: verify::Outcome,
+    proof: verify::Proof,
     detections: Vec<Detection>,
     files: Results,
 }
@@ -40,8 +40,8 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     let design_file = folder.join("design.json");
     design::write(&designed, &design_file)?;
 
-    progress.say("re-checking the design file");
-    let check = verify::check(&design_file)?;
+    progress.say("proving the design file");
+    let proof = verify::Proof::of(&steerguard_verify::verify(&input::text(&design_file)?));
     progress.say("packaging");
     let detector_file = folder.join("SteeringFaultDetector.fmu");
     let plant_file = folder.join("VehiclePlant.fmu");
@@ -54,10 +54,10 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     let files = simulate::write(&simulation, folder)?;
     drop(progress);
 
-    let right = check.holds && simulation.detections().all(Detection::is_right);
+    let right = proof.holds && simulation.detections().all(Detection::is_right);
     let outcome = Outcome {
         design: DesignSummary::of(&designed),
-        check,
+        proof,
         detections: simulation.detections().cloned().collect(),
         files: Results { design: design_file, fmus, simulation: files },
     };
@@ -66,13 +66,12 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
 }
 
 fn text(outcome: &Outcome) -> String {
-    let Outcome { design, check, detections, files } = outcome;
+    let Outcome { design, proof, detections, files } = outcome;
     format!(
-        "Design: the paper's vehicle\n{}{}\n\
+        "Design: the paper's vehicle\n{}\n\
          Detection: steering fault of 0.5 deg, under side wind, over 20 s\n{}\n\
          Files\n{}  {}\n{}",
-        design.text(),
-        check.line(),
+        design.text(Some(&proof.text())),
         detection_table(detections.iter()),
         package::listed(&files.fmus, "  "),
         files.design.display(),

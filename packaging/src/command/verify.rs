@@ -1,76 +1,87 @@
-//! `steerguard verify`.
-
-use std::path::Path;
+//! `steerguard verify`: the exact proof check of `steerguard-verify`, in the dress of this command.
 
 use serde::Serialize;
-use steerguard_designer::certificate::Check;
-use steerguard_designer::{Design, DesignFileError};
+use steerguard_verify::{Refusal, Verdict};
 
 use super::{input, print};
 use crate::cli::VerifyArguments;
 use crate::failure::{Exit, Failure};
-use crate::recheck::recheck;
 
-/// Result of the re-check.
+/// What was proven, for machines.
 #[derive(Serialize)]
-pub(super) struct Outcome {
-    /// Whether every condition holds.
-    pub(super) holds: bool,
+struct Outcome {
     hash: String,
-    margins: Check,
-    statement: String,
+    beta: f64,
+    gamma: f64,
+    gap: f64,
+    gamma_full_band: f64,
+    decay: f64,
+    #[serde(flatten)]
+    proof: Proof,
+    statements: Vec<String>,
 }
 
-impl Outcome {
-    /// The result on one line.
-    pub(super) fn line(&self) -> String {
-        let Check { disturbance_attenuation, fault_sensitivity, stability, .. } = &self.margins;
-        format!(
-            "  {}  smallest eigenvalues (31) {:.2e}, (32) {:.2e}, (33) {:.2e}\n",
-            if self.holds { "re-check holds  " } else { "re-check FAILS  " },
-            disturbance_attenuation.smallest_eigenvalue,
-            fault_sensitivity.smallest_eigenvalue,
-            stability.smallest_eigenvalue,
-        )
+/// The extent of a proof, or why there is none.
+#[derive(Serialize)]
+pub(super) struct Proof {
+    /// Whether every inequality is proven.
+    pub(super) holds: bool,
+    inequalities: usize,
+    smallest_pivot: Option<f64>,
+    refusal: Option<String>,
+}
+
+impl Proof {
+    /// What the check of a design file said.
+    pub(super) fn of(checked: &Result<Verdict, Refusal>) -> Self {
+        match checked {
+            Ok(verdict) => Self {
+                holds: true,
+                inequalities: verdict.margins.iter().map(|margin| margin.inequalities).sum(),
+                smallest_pivot: verdict.margins.iter().map(|m| m.smallest_pivot).reduce(f64::min),
+                refusal: None,
+            },
+            Err(refusal) => Self {
+                holds: false,
+                inequalities: 0,
+                smallest_pivot: None,
+                refusal: Some(refusal.to_string()),
+            },
+        }
+    }
+
+    /// The same in words.
+    pub(super) fn text(&self) -> String {
+        match &self.refusal {
+            None => format!("{} inequalities in exact arithmetic", self.inequalities),
+            Some(refusal) => format!("FAILS: {refusal}"),
+        }
     }
 }
 
 pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
-    let outcome = check(&arguments.design)?;
-    let text = format!("{}\n{}\n", outcome.line(), wrapped(&outcome.statement));
-    print(json, &outcome, &text)?;
-    Ok(if outcome.holds { Exit::Done } else { Exit::No })
-}
-
-/// Re-checks the design in the file at `path`.
-pub(super) fn check(path: &Path) -> Result<Outcome, Failure> {
-    let design = Design::from_json(&input::text(path)?).map_err(|error| match error {
-        // A sound file that is not what it says: the answer is no.
-        DesignFileError::Hash { .. } | DesignFileError::Inconsistent(_) => {
-            Failure { exit: Exit::No, ..input::refused(&error, path) }
-        }
-        _ => input::refused(&error, path),
+    let path = &arguments.design;
+    let checked = steerguard_verify::verify(&input::text(path)?);
+    let proof = Proof::of(&checked);
+    let verdict = checked.map_err(|refusal| {
+        let failure = match refusal {
+            Refusal::Unreadable(_) | Refusal::Format { .. } => Failure::bad(refusal),
+            other => Failure::no(other),
+        };
+        failure.at(path.display()).help("`steerguard design` makes design files; do not edit them")
     })?;
-    let margins = recheck(&design);
-    Ok(Outcome {
-        holds: margins.holds(),
-        hash: design.hash,
-        margins,
-        statement: design.certificate.statement,
-    })
-}
-
-/// Lines of at most 96 columns, indented.
-fn wrapped(text: &str) -> String {
-    let mut lines = vec![String::from(" ")];
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + word.chars().count() < 96 => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(format!("  {word}")),
-        }
-    }
-    lines.join("\n")
+    let text = verdict.to_string();
+    let Verdict { hash, figures, statements, .. } = verdict;
+    let outcome = Outcome {
+        hash,
+        beta: figures.beta,
+        gamma: figures.gamma,
+        gap: figures.gap,
+        gamma_full_band: figures.gamma_full_band,
+        decay: figures.decay,
+        proof,
+        statements,
+    };
+    print(json, &outcome, &text)?;
+    Ok(Exit::Done)
 }
