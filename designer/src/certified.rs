@@ -27,12 +27,18 @@ use steerguard_detector::{C, RULES};
 use crate::certificate::{ErrorDynamics, error_dynamics};
 use crate::frequency::Frozen;
 use crate::gains::{ObserverGains, rows};
-use crate::lmi::{self, Affine, Matrix, Variables};
+use crate::lmi::{self, Affine, Matrix, Variables, smallest_eigenvalue};
 use crate::theorem4::{Band, Theorem4, VERTICES_OF_RHO, diagonal, matrix};
 
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which residual and input are of
 /// magnitude one: what the solver's own tolerance may violate them by is smaller.
 const MARGIN: f64 = 1e-7;
+/// Smallest eigenvalue, in the same units, that rounding cannot have made up.
+const CONFIRMED: f64 = 1e-9;
+/// Steps from the optimum, relative.
+const BACK_OFF: [f64; 2] = [1e-3, 1e-2];
+/// No larger margin is asked for.
+const LARGEST_MARGIN: f64 = 1e-4;
 /// Rounding of `2 cos(theta)`, of magnitude two, with theta's own.
 const COSINE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Rounding of the gap.
@@ -106,6 +112,9 @@ pub enum NoCertificate {
     /// The solver found no point that satisfies the inequalities.
     #[error("no solution: {0:?} after {1} iterations")]
     Status(SolverStatus, u32),
+    /// The solver's points do not satisfy them.
+    #[error("the solver's best point misses an inequality: smallest eigenvalue {0:.1e}")]
+    Margin(f64),
     /// The solver refused the problem.
     #[error(transparent)]
     Solver(#[from] SolverError),
@@ -165,88 +174,158 @@ pub fn certify(
     expected: f64,
 ) -> Result<(f64, GainCertificate), NoCertificate> {
     let unit = if expected.is_normal() { expected } else { input.norm() };
-    let inputs = input.ncols();
-    let mut variables = Variables::default();
-    let squared = variables.scalar();
-    let unknowns = Unknowns {
-        p: std::array::from_fn(|_| variables.symmetric(3)),
-        q: variables.symmetric(3),
-        x: std::array::from_fn(|_| std::array::from_fn(|_| variables.full(6 + inputs, 3))),
-    };
-    let mut inequalities = conditions(dynamics, &(input / unit), band, gain, &squared, &unknowns);
-    for inequality in &mut inequalities {
-        let order = inequality.order();
-        *inequality = &*inequality - &(Matrix::identity(order, order) * MARGIN).into();
-    }
-    let objective = match gain {
-        Gain::Largest => squared.clone(),
-        Gain::Smallest => -&squared,
-    };
-    let solution = lmi::minimise(&variables, &objective, &inequalities)?;
-    let at = |expression: &Affine| expression.at(&solution.x);
-    if !solution.is_candidate() || at(&squared)[0] <= 0.0 {
-        return Err(NoCertificate::Status(solution.status, solution.iterations));
-    }
+    let problem = Problem { dynamics, input: input / unit, band, gain };
+    let point = problem.best()?;
 
     // Back to the input's own unit: a congruence, which scales the input's rows of X.
-    let rows_of_x = |x: &Affine| {
-        let mut x = at(x);
-        x.rows_mut(3, inputs).scale_mut(unit);
+    let rows_of_x = |x: &Matrix| {
+        let mut x = x.clone();
+        x.rows_mut(3, input.ncols()).scale_mut(unit);
         x.row_iter().map(|row| [row[0], row[1], row[2]]).collect()
     };
-    let q = rows(&at(&unknowns.q));
-    let in_band = |two_cos_theta| BandCertificate { two_cos_theta, q };
+    let in_band = |two_cos_theta| BandCertificate { two_cos_theta, q: rows(&point.q) };
     let certificate = GainCertificate {
         band: match band {
             Band::Low(theta) => Some(in_band(2.0 * theta.cos() - COSINE_ROUNDING)),
             Band::High(theta) => Some(in_band(2.0 * theta.cos() + COSINE_ROUNDING)),
             Band::Full => None,
         },
-        p: unknowns.p.each_ref().map(|p| rows(&at(p))),
-        x: unknowns.x.each_ref().map(|x| x.each_ref().map(rows_of_x)),
+        p: point.p.each_ref().map(rows),
+        x: point.x.each_ref().map(|x| x.each_ref().map(rows_of_x)),
     };
-    Ok((at(&squared)[0].sqrt() * unit, certificate))
+    Ok((point.squared.sqrt() * unit, certificate))
 }
 
-/// The decision variables.
+/// The conditions of one gain, in a unit in which it is near one.
+struct Problem<'a> {
+    dynamics: &'a ErrorDynamics,
+    input: Matrix,
+    band: Band,
+    gain: Gain,
+}
+
+/// The decision variables other than the gain.
 struct Unknowns {
     p: [Affine; RULES],
     q: Affine,
     x: [[Affine; RULES]; RULES],
 }
 
-/// The inequalities at the head of this module.
-fn conditions(
-    dynamics: &ErrorDynamics,
-    input: &Matrix,
-    band: Band,
-    gain: Gain,
-    squared: &Affine,
-    unknowns: &Unknowns,
-) -> Vec<Affine> {
-    let Unknowns { p, q, x } = unknowns;
-    let inputs = input.ncols();
-    let c = matrix(&C);
-    let residual = Affine::from(c.transpose() * &c);
-    let square = squared.times_identity(inputs);
-    let quadratic = match gain {
-        Gain::Largest => diagonal(&residual, &-square),
-        Gain::Smallest => diagonal(&-residual, &square),
-    };
-    let rows = dynamics.each_ref().map(|n| n.each_ref().map(|n| row(n, input)));
-    let mut inequalities = vec![q.clone()];
-    for k in 0..RULES {
-        for vertex in 0..VERTICES_OF_RHO {
-            let l = |i: usize, j: usize| {
-                band.base(&p[i], &p[k], q, inputs) + &quadratic + (&x[j][k] * &rows[i][vertex]).he()
+/// Numbers for them, the gain squared, and the smallest eigenvalue of the conditions.
+struct Point {
+    squared: f64,
+    p: [Matrix; RULES],
+    q: Matrix,
+    x: [[Matrix; RULES]; RULES],
+    margin: f64,
+}
+
+impl Problem<'_> {
+    /// The optimum, or what lies a little beside it where the solver, on the boundary of the
+    /// feasible set, ends outside.
+    fn best(&self) -> Result<Point, NoCertificate> {
+        let optimum = self.optimum()?;
+        if optimum.margin > CONFIRMED {
+            return Ok(optimum);
+        }
+        let mut margin = optimum.margin;
+        for step in BACK_OFF {
+            let factor = match self.gain {
+                Gain::Largest => 1.0 + step,
+                Gain::Smallest => 1.0 - step,
             };
-            for i in 0..RULES {
-                inequalities.push(-l(i, i));
-                inequalities.extend((i + 1..RULES).map(|j| -(l(i, j) + l(j, i))));
+            let inside = self.inside(optimum.squared * factor * factor)?;
+            if inside.margin > CONFIRMED {
+                return Ok(inside);
+            }
+            margin = inside.margin;
+        }
+        Err(NoCertificate::Margin(margin))
+    }
+
+    /// The best gain, with a small margin.
+    fn optimum(&self) -> Result<Point, NoCertificate> {
+        let mut variables = Variables::default();
+        let squared = variables.scalar();
+        let objective = match self.gain {
+            Gain::Largest => squared.clone(),
+            Gain::Smallest => -&squared,
+        };
+        self.solve(variables, squared, Affine::number(MARGIN), objective)
+    }
+
+    /// The largest margin for a gain.
+    fn inside(&self, squared: f64) -> Result<Point, NoCertificate> {
+        let mut variables = Variables::default();
+        let margin = variables.scalar();
+        let objective = -&margin;
+        self.solve(variables, Affine::number(squared), margin, objective)
+    }
+
+    fn solve(
+        &self,
+        mut variables: Variables,
+        squared: Affine,
+        margin: Affine,
+        objective: Affine,
+    ) -> Result<Point, NoCertificate> {
+        let unknowns = Unknowns {
+            p: std::array::from_fn(|_| variables.symmetric(3)),
+            q: variables.symmetric(3),
+            x: std::array::from_fn(|_| {
+                std::array::from_fn(|_| variables.full(6 + self.input.ncols(), 3))
+            }),
+        };
+        let conditions = self.conditions(&squared, &unknowns);
+        let mut inequalities: Vec<Affine> = conditions
+            .iter()
+            .map(|condition| condition - &margin.times_identity(condition.order()))
+            .collect();
+        inequalities.push(Affine::number(LARGEST_MARGIN) - &margin);
+        let solution = lmi::minimise(&variables, &objective, &inequalities)?;
+        let at = |expression: &Affine| expression.at(&solution.x);
+        if !solution.is_candidate() || at(&squared)[0] <= 0.0 {
+            return Err(NoCertificate::Status(solution.status, solution.iterations));
+        }
+        let eigenvalues = conditions.iter().map(|condition| smallest_eigenvalue(&at(condition)));
+        Ok(Point {
+            squared: at(&squared)[0],
+            margin: eigenvalues.fold(f64::INFINITY, f64::min),
+            p: unknowns.p.each_ref().map(at),
+            q: at(&unknowns.q),
+            x: unknowns.x.each_ref().map(|x| x.each_ref().map(at)),
+        })
+    }
+
+    /// The inequalities at the head of this module.
+    fn conditions(&self, squared: &Affine, unknowns: &Unknowns) -> Vec<Affine> {
+        let Self { dynamics, input, band, gain } = self;
+        let Unknowns { p, q, x } = unknowns;
+        let inputs = input.ncols();
+        let c = matrix(&C);
+        let residual = Affine::from(c.transpose() * &c);
+        let square = squared.times_identity(inputs);
+        let quadratic = match gain {
+            Gain::Largest => diagonal(&residual, &-square),
+            Gain::Smallest => diagonal(&-residual, &square),
+        };
+        let course: [[Matrix; RULES]; VERTICES_OF_RHO] =
+            std::array::from_fn(|vertex| dynamics.each_ref().map(|n| row(&n[vertex], input)));
+        let mut inequalities = vec![q.clone()];
+        for k in 0..RULES {
+            for course in &course {
+                let l = |i: usize, j: usize| {
+                    let finsler = (&x[j][k] * &course[i]).he();
+                    band.base(&p[i], &p[k], q, inputs) + &quadratic + finsler
+                };
+                for i in 0..RULES {
+                    inequalities.push(-l(i, i));
+                    inequalities.extend((i + 1..RULES).map(|j| -(l(i, j) + l(j, i))));
+                }
             }
         }
+        inequalities
     }
-    inequalities
 }
 
 /// `[N, B, -I]`, which sends (e, w, e+) to zero along the error's course.

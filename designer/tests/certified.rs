@@ -1,5 +1,7 @@
 //! Certified gains: against an independent solver, the reference values, and the exact proof.
 
+#![allow(clippy::unwrap_used)]
+
 use serde::Deserialize;
 use steerguard_designer::certificate::ErrorDynamics;
 use steerguard_designer::certified::{Gain, certified, certify};

@@ -215,7 +215,7 @@ impl Mul for &Matrix {
     fn mul(self, other: &Matrix) -> Matrix {
         let element = |row: &[BigInt], column: usize| {
             let products = row.iter().zip(&other.numerators).map(|(x, row)| x * &row[column]);
-            products.fold(BigInt::zero(), |sum, product| sum + product)
+            products.sum::<BigInt>()
         };
         let row = |row: &Vec<BigInt>| (0..other.width()).map(|k| element(row, k)).collect();
         Matrix {

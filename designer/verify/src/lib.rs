@@ -38,7 +38,7 @@ pub fn verify(design: &str) -> Result<Verdict, Refusal> {
     model::check(&design)?;
     let residues = proof::residues(&design)?;
     let (figures, margins) = proof::prove(&design)?;
-    Ok(Verdict::new(&design, hash, figures, residues, margins)?)
+    Verdict::new(&design, hash, figures, residues, margins)
 }
 
 /// Why a design file is not proven.

@@ -424,13 +424,15 @@ fn prove_gain(
         })
         .collect::<Result<_, _>>()?;
 
+    let multiplier = |j: usize, k: usize| &x[j][k];
     let minus_identity = -&Matrix::identity(3);
     for (n, rho) in dynamics.n.iter().zip(dynamics.rho) {
         // [N_i(rho), B, -I]
         let course: Vec<Matrix> =
             n.iter().map(|n| Matrix::blocks(&[&[n, input, &minus_identity]])).collect();
         for k in 0..RULES {
-            let minus_l = |i: usize, j: usize| -&(&base(i, k) + &(&x[j][k] * &course[i]).he());
+            let minus_l =
+                |i: usize, j: usize| -&(&base(i, k) + &(multiplier(j, k) * &course[i]).he());
             for i in 0..RULES {
                 tally.prove(&minus_l(i, i), Combination::Pair { i, j: i, k, rho })?;
                 for j in i + 1..RULES {

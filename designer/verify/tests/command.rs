@@ -1,5 +1,7 @@
 //! The program: what it prints and its exit status.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
