@@ -129,9 +129,13 @@ impl DeadTime {
 mod tests {
     use super::*;
 
-    const LINEAR: Dynamics =
-        Dynamics { vehicle: Vehicle::PAPER, friction_limited: false,
-        friction: 0.3, actuator_lag_s: 0.0, bank_rad: 0.0 };
+    const LINEAR: Dynamics = Dynamics {
+        vehicle: Vehicle::PAPER,
+        friction_limited: false,
+        friction: 0.3,
+        actuator_lag_s: 0.0,
+        bank_rad: 0.0,
+    };
 
     fn run(dynamics: &Dynamics, excitation: &Excitation, steps: u32) -> PlantState {
         (0..steps).fold([15.0, 0.0, 0.0, 0.0], |x, _| dynamics.step(x, excitation))
