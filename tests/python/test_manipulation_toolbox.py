@@ -8,7 +8,6 @@ import pytest
 
 @pytest.mark.parametrize("name", ["SteeringFaultDetector", "VehiclePlant"])
 def test_check_finds_nothing(fixtures, tmp_path, name):
-    pytest.importorskip("fmu_manipulation_toolbox")
     code = "from fmu_manipulation_toolbox.cli.fmutool import fmutool; fmutool()"
     result = subprocess.run(
         [sys.executable, "-c", code, "-input", fixtures / f"{name}.fmu", "-check"],

@@ -53,7 +53,6 @@ def test_fmpy(detector, reference, record, step):
 
 def test_libcosim(fixtures, reference, record, step):
     """libcosim of the Open Simulation Platform, with its FMI library in C: another importer."""
-    pytest.importorskip("libcosimpy")
     from libcosimpy import CosimLogging
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimManipulator import CosimManipulator
