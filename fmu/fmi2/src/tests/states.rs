@@ -150,6 +150,8 @@ fn a_state_with_impossible_contents_is_refused_even_with_a_valid_checksum() {
         (0, vec![255]),
         (1, f64::NAN.to_le_bytes().to_vec()),
         (9, vec![2]),
+        // A communication point that samples are missing before.
+        (18, 0.5_f64.to_le_bytes().to_vec()),
         (26, u64::MAX.to_le_bytes().to_vec()),
     ] {
         let mut forged = saved.clone();
