@@ -26,8 +26,13 @@ pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failu
     write(&design, &arguments.output)?;
     let outcome = Outcome { design: DesignSummary::of(&design), file: &arguments.output };
     let file = arguments.output.display();
-    print(json, &outcome, &format!("Design\n{}\n  {file}\n", outcome.design.text(None)))?;
-    Ok(exit(&design))
+    let exit = exit(&design);
+    let missed = match exit {
+        Exit::No => format!("`steerguard verify {file}` names the inequality that is missed.\n"),
+        _ => String::new(),
+    };
+    print(json, &outcome, &format!("Design\n{}\n  {file}\n{missed}", outcome.design.text(None)))?;
+    Ok(exit)
 }
 
 /// Writes the design file.
