@@ -104,7 +104,7 @@ impl Detector {
         configuration.check()?;
         let Configuration { model, hysteresis, gains, evaluation } = *configuration;
         Ok(Self {
-            observer: Observer { model, gains },
+            observer: Observer::new(model, gains),
             armed_range: model.range.shrunk(hysteresis),
             evaluation,
             threshold_factor: 1.0,

@@ -1,7 +1,7 @@
 //! Unknown-input-like fuzzy observer (10) with gains (11)-(13).
 
 use crate::algebra::{blend, product, sum};
-use crate::ts_model::{RULES, TsModel};
+use crate::ts_model::{Columns, RULES, TsModel};
 use crate::{Input, Measurement, VehicleState};
 
 /// Gains of the observer (10).
@@ -21,12 +21,18 @@ pub struct Gains {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     /// Model the gains belong to.
-    pub model: TsModel,
+    pub(crate) model: TsModel,
     /// Gains.
-    pub gains: Gains,
+    pub(crate) gains: Gains,
+    columns: Columns,
 }
 
 impl Observer {
+    /// The observer of `model` with `gains`.
+    pub fn new(model: TsModel, gains: Gains) -> Self {
+        Self { model, gains, columns: model.columns() }
+    }
+
     /// `z = M [v_x, 0, r]`: the estimate starts at the measurement with no lateral speed, so the
     /// error starts at `[0, v_y, 0]` and the residual at zero.
     pub fn start(&self, [v_x, r]: Measurement) -> VehicleState {
@@ -44,6 +50,7 @@ impl Observer {
         let h = self.model.membership(y);
         let linear =
             sum(product(&blend(&h, &self.gains.n), &z), product(&blend(&h, &self.gains.l), &y));
-        sum(linear, product(&self.gains.m, &self.model.consequent(y, u, v_y_hat)))
+        let consequent = self.model.consequent(&self.columns, y, u, v_y_hat);
+        sum(linear, product(&self.gains.m, &consequent))
     }
 }

@@ -15,6 +15,13 @@ pub const RULES: usize = 4;
 /// Output matrix, 2 x 3: `y = C x = [v_x, r]`.
 pub const C: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// B (3 x 2) and G (3 x 1) of (7), computed once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Columns {
+    b: [[f64; 2]; 3],
+    g_phi: VehicleState,
+}
+
 /// The discrete-time N-TS model of a vehicle on an operating range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TsModel {
@@ -96,13 +103,24 @@ impl TsModel {
     pub fn step(&self, x: VehicleState, u: Input) -> VehicleState {
         let y = [x[0], x[2]];
         let a = blend(&self.membership(y), &self.vertices());
-        sum(product(&a, &x), self.consequent(y, u, x[1]))
+        sum(product(&a, &x), self.consequent(&self.columns(), y, u, x[1]))
+    }
+
+    /// The columns of (7) that no sample changes.
+    pub(crate) fn columns(&self) -> Columns {
+        Columns { b: self.b(), g_phi: self.g_phi() }
     }
 
     /// `B u + g(xi) + G phi`: the part of (7) that the premise does not blend.
-    pub(crate) fn consequent(&self, y: Measurement, u: Input, v_y: f64) -> VehicleState {
-        let g_phi = self.g_phi().map(|g| g * (v_y * v_y));
-        sum(sum(self.g(y), product(&self.b(), &u)), g_phi)
+    pub(crate) fn consequent(
+        &self,
+        columns: &Columns,
+        y: Measurement,
+        u: Input,
+        v_y: f64,
+    ) -> VehicleState {
+        let g_phi = columns.g_phi.map(|g| g * (v_y * v_y));
+        sum(sum(self.g(y), product(&columns.b, &u)), g_phi)
     }
 
     /// `C_r l_r - C_f l_f`, N m/rad.
