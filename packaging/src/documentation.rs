@@ -12,7 +12,8 @@ use steerguard_model_description::{
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\
 border-bottom:1px solid #ddd;vertical-align:top}code{background:#f3f3f3;padding:0 .2em;\
-overflow-wrap:anywhere}";
+overflow-wrap:anywhere}\
+td code{white-space:nowrap}td:nth-child(3){overflow-wrap:anywhere;min-width:10em}";
 
 /// First line of the tables of variables.
 const HEAD: &str = "<tr><th>Name<th>Unit or type<th>Value<th>Range or items<th>Meaning\n";
