@@ -3,7 +3,7 @@
 use std::fmt;
 
 use clarabel::solver::SolverStatus;
-use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, TsModel};
+use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation};
 
 use crate::calibration::{Level, calibrate, drives};
 use crate::certificate::{check, error_dynamics};
@@ -264,7 +264,7 @@ fn evaluate(
     .ok_or(DesignError::StartUp)?;
 
     let configuration = Configuration {
-        model: TsModel { ..spec.model() },
+        model: spec.model(),
         hysteresis: spec.operating_range.hysteresis(),
         gains: gains.gains,
         evaluation: Evaluation {

@@ -7,7 +7,7 @@
 //! Rule order: (v_x min, r min), (v_x min, r max), (v_x max, r min), (v_x max, r max).
 
 use crate::algebra::{blend, product, sum};
-use crate::{Input, Measurement, OperatingRange, Vehicle, VehicleState};
+use crate::{Input, Interval, Measurement, OperatingRange, Vehicle, VehicleState};
 
 /// Number of rules: the vertices of the two premise variables.
 pub const RULES: usize = 4;
@@ -34,6 +34,17 @@ pub struct TsModel {
 }
 
 impl TsModel {
+    /// The paper's: its vehicle, T_s and S_x (4).
+    pub const PAPER: Self = Self {
+        vehicle: Vehicle::PAPER,
+        sampling_period_s: 0.01,
+        range: OperatingRange {
+            v_x: Interval::new(5.0, 30.0),
+            v_y: Interval::new(-1.5, 1.5),
+            r: Interval::new(-0.55, 0.55),
+        },
+    };
+
     /// `A(xi) = I + T_s A_v(xi)`, 3 x 3, (5) corrected, at premise `(1/v_x, r)`.
     pub fn a(&self, inverse_v_x: f64, r: f64) -> [[f64; 3]; 3] {
         let v = &self.vehicle;

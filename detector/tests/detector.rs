@@ -4,8 +4,7 @@
 
 use proptest::prelude::*;
 use steerguard_detector::{
-    Configuration, Detector, Evaluation, Gains, Initialisation, Interval, Monitor, OperatingRange,
-    Output, TsModel, Vehicle,
+    Configuration, Detector, Evaluation, Gains, Initialisation, Monitor, Output, TsModel,
 };
 
 const NAN: f64 = f64::NAN;
@@ -13,15 +12,7 @@ const CRUISE: [f64; 2] = [78.75, 0.0];
 
 /// A stable observer without E: N_i keeps the lateral dynamics and contracts the measured states.
 fn configuration() -> Configuration {
-    let model = TsModel {
-        vehicle: Vehicle::PAPER,
-        sampling_period_s: 0.01,
-        range: OperatingRange {
-            v_x: Interval::new(5.0, 30.0),
-            v_y: Interval::new(-1.5, 1.5),
-            r: Interval::new(-0.55, 0.55),
-        },
-    };
+    let model = TsModel::PAPER;
     let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let contraction = 0.5;
     let gains = Gains {

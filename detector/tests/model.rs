@@ -1,17 +1,9 @@
 //! The N-TS model against the nonlinear vehicle it rewrites.
 
 use proptest::prelude::*;
-use steerguard_detector::{Interval, OperatingRange, TsModel, Vehicle, rk4};
+use steerguard_detector::{TsModel, Vehicle, rk4};
 
-const PAPER: TsModel = TsModel {
-    vehicle: Vehicle::PAPER,
-    sampling_period_s: 0.01,
-    range: OperatingRange {
-        v_x: Interval::new(5.0, 30.0),
-        v_y: Interval::new(-1.5, 1.5),
-        r: Interval::new(-0.55, 0.55),
-    },
-};
+const PAPER: TsModel = TsModel::PAPER;
 
 #[test]
 fn vertices_have_the_reference_entries() {

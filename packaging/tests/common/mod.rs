@@ -1,20 +1,10 @@
 //! A design that needs no solver: a stable observer without E, for tests of everything around it.
 
-use steerguard_detector::{
-    Configuration, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
-};
+use steerguard_detector::{Configuration, Evaluation, Gains, TsModel};
 use steerguard_fmu::BakedDesign;
 
 pub fn design() -> BakedDesign {
-    let model = TsModel {
-        vehicle: Vehicle::PAPER,
-        sampling_period_s: 0.01,
-        range: OperatingRange {
-            v_x: Interval::new(5.0, 30.0),
-            v_y: Interval::new(-1.5, 1.5),
-            r: Interval::new(-0.55, 0.55),
-        },
-    };
+    let model = TsModel::PAPER;
     // N_i keeps the lateral dynamics and contracts the measured states.
     let contraction = 0.5;
     let gains = Gains {
