@@ -11,7 +11,7 @@ use steerguard_detector::RULES;
 use crate::gains::ObserverGains;
 use crate::lmi::{Affine, Matrix, smallest_eigenvalue};
 use crate::synthesis::Lyapunov;
-use crate::theorem4::{Quantities, Theorem4, Units, VERTICES_OF_RHO, matrix};
+use crate::theorem4::{Attenuation, Quantities, Theorem4, Units, VERTICES_OF_RHO, matrix};
 
 /// Largest error accepted in the observer equation (13).
 pub const OBSERVER_EQUATION_TOLERANCE: f64 = 1e-10;
@@ -90,19 +90,26 @@ pub fn check(
     let dynamics = error_dynamics(theorem, gains);
     let theorem = theorem.in_units(Units { gamma, beta });
     let m = matrix(&gains.gains.m);
-    let Lyapunov { p_s, p_d, p_f, q_d, q_f, r } = lyapunov;
+    let Lyapunov { p_s, attenuation, p_f, q_f, r } = lyapunov;
     let constant = |x: &Matrix| Affine::from(x.clone());
+    let h = gains.h.each_ref().map(|h| r * matrix(h));
     let quantities = Quantities {
         p_s: p_s.each_ref().map(constant),
-        p_d: p_d.each_ref().map(constant),
+        attenuation: attenuation
+            .iter()
+            .map(|of_block| Attenuation {
+                gamma_squared: Affine::number((of_block.gamma / gamma).powi(2)),
+                p: of_block.p.each_ref().map(constant),
+                q: constant(&of_block.q),
+            })
+            .collect(),
         p_f: p_f.each_ref().map(constant),
-        q_d: constant(q_d),
         q_f: constant(q_f),
         r: constant(r),
+        rm: Affine::from(r * &m),
+        s: Affine::from(r * matrix(&gains.gains.e)),
+        w: h.each_ref().map(constant),
         rn: dynamics.each_ref().map(|n| n.each_ref().map(|n| Affine::from(r * n))),
-        rd: Affine::from(r * &m * &theorem.d),
-        rf: Affine::from(r * &m * &theorem.f),
-        gamma_squared: Affine::number(1.0),
         beta_squared: Affine::number(1.0),
     };
 
@@ -110,22 +117,34 @@ pub fn check(
         matrices.map(Matrix::norm).fold(0.0, f64::max)
     };
     let n = largest(&mut dynamics.iter().flatten());
-    let products = |input: &Matrix| r.norm() * (1.0 + n + m.norm() * input.norm());
+    let products = |input: f64| r.norm() * (1.0 + n + m.norm() * input);
     let multiplier = |alpha: f64, v: f64| 2.0 * (2.0 + alpha.abs() + v);
-    let p = |p: &[Matrix], q: &Matrix| 1.0 + 2.0 * largest(&mut p.iter()) + 4.0 * q.norm();
+    let p = |p: &mut dyn Iterator<Item = &Matrix>, q: f64| 1.0 + 2.0 * largest(p) + 4.0 * q;
+    let q_d = largest(&mut attenuation.iter().map(|block| &block.q));
+    let disturbances = theorem
+        .disturbances
+        .iter()
+        .map(|channel| {
+            let noise = largest(&mut h.iter()) + r.norm() * largest(&mut theorem.k.iter());
+            channel.direction.norm() + (1.0 + noise) * channel.noise.norm()
+        })
+        .fold(0.0, f64::max);
     Check {
         observer_equation_error: gains.observer_equation_error(&theorem.a),
         disturbance_attenuation: Margin::of(
-            &theorem.disturbance_attenuation(&quantities),
-            p(p_d, q_d) + multiplier(theorem.alpha_d, 0.0) * products(&theorem.d),
+            &theorem.disturbance_attenuation(&quantities).concat(),
+            p(&mut attenuation.iter().flat_map(|block| &block.p), q_d)
+                + multiplier(theorem.alpha_d, 0.0) * products(disturbances),
         ),
         fault_sensitivity: Margin::of(
             &theorem.fault_sensitivity(&quantities),
-            p(p_f, q_f) + multiplier(theorem.alpha_f, theorem.v.norm()) * products(&theorem.f),
+            p(&mut p_f.iter(), q_f.norm())
+                + multiplier(theorem.alpha_f, theorem.v.norm())
+                    * products(theorem.fault.direction.norm()),
         ),
         stability: Margin::of(
             &theorem.stability(&quantities),
-            p(p_s, &Matrix::zeros(1, 1)) + 2.0 * products(&Matrix::zeros(1, 1)),
+            p(&mut p_s.iter(), 0.0) + 2.0 * products(0.0),
         ),
     }
 }

@@ -1,34 +1,41 @@
 //! Certified gains of given error dynamics: what the gains are worth, a posteriori (METHOD.md 5.3).
 //!
 //! Where Theorem 4 ties its multiplier to the gains, here the gains are numbers and the multipliers
-//! X_jk are free. For the error dynamics `e+ = N_i(rho) e + B w`, with w the disturbances or the
-//! fault, and every rule i, j of this sample, k of the next and vertex of rho,
+//! X_jk are free. For the error dynamics `e+ = N_i(rho) e + B_i w`, `W_r r = W_r C e + D_r w`, with w
+//! the fault or the disturbances of one band, and every rule i, j of this sample, k of the next and
+//! vertex of rho (and of K, where w holds sensor noise),
 //!
 //! ```text
-//! L_k(i, j) = base(P_i, P_k, Q) + quadratic + He( X_jk [N_i(rho), B, -I] )     over (e, w, e+)
+//! L_k(i, j) = base(P_i, P_k, Q) + quadratic + He( X_jk [N_i(rho), B_i, -I] )   over (e, w, e+)
 //!
 //! L_k(i, i) < 0,   L_k(i, j) + L_k(j, i) < 0 for i < j,   Q > 0
 //! ```
 //!
-//! with base and quadratic of Theorem 4. Weighted by the membership functions of both samples these
-//! sum up to `L(h, h+) < 0`; along the error's course X drops out, and the sum over all samples is
-//! `||r|| < gamma ||d||`, or `||r|| > beta ||f||`.
+//! with the base of Theorem 4 and `quadratic = +-([W_r C, D_r, 0]' [W_r C, D_r, 0] - diag(0, g^2, 0))`
+//! for the gain g. Weighted by the membership functions of both samples these sum up to
+//! `L(h, h+) < 0`; along the error's course X drops out, and the sum over all samples is
+//! `||W_r r|| < gamma ||d||`, or `||W_r r|| > beta ||f||`. Disturbances of several bands are certified
+//! one band after the other; by superposition their gains add up to the root of the sum of squares.
 //!
 //! # Conventions
 //! - P_i are symmetric and have no sign; Q is common to all rules, and zero for the full band.
+//! - With sensor noise e stands for `x - x^ - E D_y v`, B and D_r are those of
+//!   [`crate::operating_point`].
 //! - What is found here is a claim. `steerguard_verify` proves it, in exact arithmetic.
 
 use std::thread;
 
 use clarabel::solver::{SolverError, SolverStatus};
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{C, RULES};
+use steerguard_detector::RULES;
 
+use crate::band::Band;
 use crate::certificate::{ErrorDynamics, error_dynamics};
-use crate::frequency::Frozen;
+use crate::channel::{Channel, beside};
+use crate::frequency::{Frozen, Inputs};
 use crate::gains::{ObserverGains, rows};
 use crate::lmi::{self, Affine, Matrix, Variables, smallest_eigenvalue};
-use crate::theorem4::{Band, Theorem4, VERTICES_OF_RHO, diagonal, matrix};
+use crate::theorem4::{Theorem4, for_all, matrix};
 
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which residual and input are of
 /// magnitude one: what the solver's own tolerance may violate them by is smaller.
@@ -41,8 +48,13 @@ const BACK_OFF: [f64; 2] = [1e-3, 1e-2];
 const LARGEST_MARGIN: f64 = 1e-4;
 /// Rounding of `2 cos(theta)`, of magnitude two, with theta's own.
 const COSINE_ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Rounding of the gap.
-const GAP_ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Rounding of gap and gamma.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Inequalities of the first vertices of rho and K that the solver begins with.
+const FIRST_VERTICES: usize = 2;
+
+/// Smallest margin of a decay certificate, in units of the largest P_i.
+const DECAY_MARGIN: f64 = 1e-7;
 
 /// Which gain is certified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,8 +87,8 @@ pub struct CertifiedFigures {
 pub struct APosteriori {
     /// Of beta.
     pub beta: GainCertificate,
-    /// Of gamma.
-    pub gamma: GainCertificate,
+    /// Of gamma, for each band of the disturbances.
+    pub gamma: Vec<GainCertificate>,
     /// Of gamma for all frequencies.
     pub gamma_full_band: GainCertificate,
 }
@@ -85,6 +97,8 @@ pub struct APosteriori {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GainCertificate {
+    /// The gain, in the unit of the figures.
+    pub gain: f64,
     /// Null for the full band.
     pub band: Option<BandCertificate>,
     /// P_i, symmetric.
@@ -120,8 +134,7 @@ pub enum NoCertificate {
     Solver(#[from] SolverError),
 }
 
-/// The figures that can be certified for `gains`, and their matrices. `frozen` gives the
-/// magnitudes, `smallest_fault` and `bound` the units of the gap.
+/// The figures that can be certified for `gains`, and their matrices; `frozen` gives the magnitudes.
 ///
 /// # Errors
 /// [`NoCertificate`] of the first figure that has none.
@@ -129,62 +142,135 @@ pub fn certified(
     theorem: &Theorem4,
     gains: &ObserverGains,
     frozen: &Frozen,
-    smallest_fault: f64,
-    bound: f64,
+    inputs: &Inputs,
 ) -> Result<(CertifiedFigures, APosteriori), NoCertificate> {
-    let dynamics = &error_dynamics(theorem, gains);
-    let m = matrix(&gains.gains.m);
-    let [from_fault, from_disturbances] = &[&m * &theorem.f, &m * &theorem.d];
+    let error = |channel: &Channel| Error::new(theorem, gains, channel);
+    let largest = |channel: &Channel| {
+        certify(&error(channel), channel.band, Gain::Largest, frozen.gamma)
+    };
     let (beta, gamma, full) = thread::scope(|scope| {
-        let beta = scope.spawn(move || {
-            certify(dynamics, from_fault, theorem.fault_band, Gain::Smallest, frozen.beta)
+        let beta = scope.spawn(|| {
+            certify(&error(&theorem.fault), theorem.fault.band, Gain::Smallest, frozen.beta)
         });
-        let largest =
-            |band| certify(dynamics, from_disturbances, band, Gain::Largest, frozen.gamma);
-        let (gamma, full) = (largest(theorem.disturbance_band), largest(Band::Full));
+        let gamma: Result<Vec<_>, _> = theorem.disturbances.iter().map(largest).collect();
+        let full = largest(&Channel::stacked(&theorem.disturbances));
         (beta.join(), gamma, full)
     });
-    let (beta, beta_certificate) = beta.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-    let ((gamma, gamma_certificate), (gamma_full_band, full_certificate)) = (gamma?, full?);
+    let beta = beta.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+    let (gamma, gamma_full_band) = (gamma?, full?);
+    let total = gamma.iter().map(|block| block.gain).fold(0.0, f64::hypot) * (1.0 + ROUNDING);
     let figures = CertifiedFigures {
-        beta,
-        gamma,
-        gap: beta * smallest_fault / (gamma * bound) * (1.0 - GAP_ROUNDING),
-        gamma_full_band,
+        beta: beta.gain,
+        gamma: total,
+        gap: beta.gain * inputs.smallest_fault / (total * inputs.bound) * (1.0 - ROUNDING),
+        gamma_full_band: gamma_full_band.gain,
         decay: theorem.decay,
     };
-    let matrices = APosteriori {
-        beta: beta_certificate,
-        gamma: gamma_certificate,
-        gamma_full_band: full_certificate,
-    };
-    Ok((figures, matrices))
+    Ok((figures, APosteriori { beta, gamma, gamma_full_band }))
 }
 
-/// The best `gain` that can be certified from an input of direction `input` (`M D` or `M F`,
-/// 3 x n_w) in `band`, and its matrices; `expected` gives its magnitude.
+/// P_i that prove the decay of the error: `P_i > 0`, `tau^2 P_i - N_i(rho)' P_k N_i(rho) > 0`, with the
+/// largest margin for P_i below I. None where the solver finds none.
+pub fn decay_certificate(theorem: &Theorem4, gains: &ObserverGains) -> Option<[Matrix; RULES]> {
+    let dynamics = error_dynamics(theorem, gains);
+    let mut variables = Variables::default();
+    let p: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
+    let margin = variables.scalar();
+    let margin_of = |order| margin.times_identity(order);
+    let mut inequalities: Vec<Affine> =
+        p.iter().map(|p| Affine::from(Matrix::identity(3, 3)) - p).collect();
+    for_all(|i, k, j| {
+        let n = &dynamics[i][j];
+        let next = &p[k] * n;
+        let x = Affine::blocks([
+            [theorem.decay * theorem.decay * &p[i], next.transpose()],
+            [next, p[k].clone()],
+        ]);
+        inequalities.push(x - &margin_of(6));
+    });
+    let solution = lmi::minimise(&variables, &-&margin, &inequalities).ok()?;
+    let holds = solution.is_candidate() && margin.at(&solution.x)[0] > DECAY_MARGIN;
+    holds.then(|| p.map(|p| p.at(&solution.x)))
+}
+
+/// The error dynamics with the inputs of one band, at the vertices of rho and K.
+pub struct Error {
+    /// `[N_i(rho), B_i, -I]`, which sends (e, w, e+) to zero along the error's course, by vertex and
+    /// rule.
+    courses: Vec<[Matrix; RULES]>,
+    /// `[W_r C, D_r]`.
+    output: Matrix,
+}
+
+impl Error {
+    /// The error dynamics of `gains` with the inputs `channel`.
+    pub fn new(theorem: &Theorem4, gains: &ObserverGains, channel: &Channel) -> Self {
+        let dynamics: ErrorDynamics = error_dynamics(theorem, gains);
+        let [m, e] = [matrix(&gains.gains.m), matrix(&gains.gains.e)];
+        let from_direction = &m * &channel.direction;
+        let vertices = if channel.noise.ncols() == 0 { &theorem.k[..1] } else { &theorem.k };
+        let minus_identity = -Matrix::identity(3, 3);
+        let mut courses = Vec::new();
+        for k in vertices {
+            for (rho, g_rho) in theorem.g_rho.iter().enumerate() {
+                courses.push(std::array::from_fn(|i| {
+                    let l = matrix(&gains.gains.l[i]);
+                    let from_noise = (&m * g_rho * &e - l - &m * k) * &channel.noise;
+                    let input = beside(&from_direction, &from_noise);
+                    beside(&beside(&dynamics[i][rho], &input), &minus_identity)
+                }));
+            }
+        }
+        let feedthrough = (Matrix::identity(2, 2) + &theorem.c * e) * &channel.noise;
+        let direct = Matrix::zeros(2, channel.direction.ncols());
+        let output = beside(&beside(&theorem.c, &direct), &feedthrough);
+        Self { courses, output: theorem.w_r() * output }
+    }
+
+    /// Number of inputs.
+    fn inputs(&self) -> usize {
+        self.output.ncols() - 3
+    }
+
+    /// The same with the inputs counted in units of `1 / unit`.
+    fn in_unit(&self, unit: f64) -> Self {
+        let inputs = self.inputs();
+        let scaled = |x: &Matrix| {
+            let mut x = x.clone();
+            x.columns_mut(3, inputs).unscale_mut(unit);
+            x
+        };
+        Self {
+            courses: self.courses.iter().map(|course| course.each_ref().map(scaled)).collect(),
+            output: scaled(&self.output),
+        }
+    }
+}
+
+/// The best `gain` that can be certified over `band`, and its matrices; `expected` gives its
+/// magnitude.
 ///
 /// # Errors
 /// [`NoCertificate`], which says what the solver found instead.
 pub fn certify(
-    dynamics: &ErrorDynamics,
-    input: &Matrix,
+    error: &Error,
     band: Band,
     gain: Gain,
     expected: f64,
-) -> Result<(f64, GainCertificate), NoCertificate> {
-    let unit = if expected.is_normal() { expected } else { input.norm() };
-    let problem = Problem { dynamics, input: input / unit, band, gain };
+) -> Result<GainCertificate, NoCertificate> {
+    let unit = if expected.is_normal() { expected } else { error.output.norm() };
+    let problem = Problem { error: error.in_unit(unit), band, gain };
     let point = problem.best()?;
 
     // Back to the input's own unit: a congruence, which scales the input's rows of X.
     let rows_of_x = |x: &Matrix| {
         let mut x = x.clone();
-        x.rows_mut(3, input.ncols()).scale_mut(unit);
+        x.rows_mut(3, error.inputs()).scale_mut(unit);
         x.row_iter().map(|row| [row[0], row[1], row[2]]).collect()
     };
     let in_band = |two_cos_theta| BandCertificate { two_cos_theta, q: rows(&point.q) };
-    let certificate = GainCertificate {
+    Ok(GainCertificate {
+        gain: point.squared.sqrt() * unit,
         band: match band {
             Band::Low(theta) => Some(in_band(2.0 * theta.cos() - COSINE_ROUNDING)),
             Band::High(theta) => Some(in_band(2.0 * theta.cos() + COSINE_ROUNDING)),
@@ -192,14 +278,12 @@ pub fn certify(
         },
         p: point.p.each_ref().map(rows),
         x: point.x.each_ref().map(|x| x.each_ref().map(rows_of_x)),
-    };
-    Ok((point.squared.sqrt() * unit, certificate))
+    })
 }
 
 /// The conditions of one gain, in a unit in which it is near one.
-struct Problem<'a> {
-    dynamics: &'a ErrorDynamics,
-    input: Matrix,
+struct Problem {
+    error: Error,
     band: Band,
     gain: Gain,
 }
@@ -220,7 +304,7 @@ struct Point {
     margin: f64,
 }
 
-impl Problem<'_> {
+impl Problem {
     /// The optimum, or what lies a little beside it where the solver, on the boundary of the
     /// feasible set, ends outside.
     fn best(&self) -> Result<Point, NoCertificate> {
@@ -273,21 +357,29 @@ impl Problem<'_> {
             p: std::array::from_fn(|_| variables.symmetric(3)),
             q: variables.symmetric(3),
             x: std::array::from_fn(|_| {
-                std::array::from_fn(|_| variables.full(6 + self.input.ncols(), 3))
+                std::array::from_fn(|_| variables.full(6 + self.error.inputs(), 3))
             }),
         };
         let conditions = self.conditions(&squared, &unknowns);
-        let mut inequalities: Vec<Affine> = conditions
-            .iter()
-            .map(|condition| condition - &margin.times_identity(condition.order()))
-            .collect();
+        let with_margin = |conditions: &[Affine]| -> Vec<Affine> {
+            let margin = |x: &Affine| x - &margin.times_identity(x.order());
+            conditions.iter().map(margin).collect()
+        };
+        let mut inequalities = with_margin(&conditions[0]);
         inequalities.push(Affine::number(LARGEST_MARGIN) - &margin);
-        let solution = lmi::minimise(&variables, &objective, &inequalities)?;
+        let further = with_margin(&conditions[1]);
+        let solution = lmi::minimise_with_cuts(
+            &variables,
+            &objective,
+            inequalities,
+            further,
+            MARGIN / 2.0,
+        )?;
         let at = |expression: &Affine| expression.at(&solution.x);
         if !solution.is_candidate() || at(&squared)[0] <= 0.0 {
             return Err(NoCertificate::Status(solution.status, solution.iterations));
         }
-        let eigenvalues = conditions.iter().map(|condition| smallest_eigenvalue(&at(condition)));
+        let eigenvalues = conditions.iter().flatten().map(|condition| smallest_eigenvalue(&at(condition)));
         Ok(Point {
             squared: at(&squared)[0],
             margin: eigenvalues.fold(f64::INFINITY, f64::min),
@@ -297,23 +389,28 @@ impl Problem<'_> {
         })
     }
 
-    /// The inequalities at the head of this module.
-    fn conditions(&self, squared: &Affine, unknowns: &Unknowns) -> Vec<Affine> {
-        let Self { dynamics, input, band, gain } = self;
+    /// The inequalities at the head of this module: those of the first vertices of rho and K, then
+    /// those of the further ones.
+    fn conditions(&self, squared: &Affine, unknowns: &Unknowns) -> [Vec<Affine>; 2] {
+        let Self { error, band, gain } = self;
         let Unknowns { p, q, x } = unknowns;
-        let inputs = input.ncols();
-        let c = matrix(&C);
-        let residual = Affine::from(c.transpose() * &c);
-        let square = squared.times_identity(inputs);
-        let quadratic = match gain {
-            Gain::Largest => diagonal(&residual, &-square),
-            Gain::Smallest => diagonal(&-residual, &square),
+        let inputs = error.inputs();
+        let mut square = Matrix::zeros(3 + inputs, 3 + inputs);
+        square.view_mut((3, 3), (inputs, inputs)).fill_with_identity();
+        let weighted = Affine::from(error.output.transpose() * &error.output) - squared.times(&square);
+        let weighted = match gain {
+            Gain::Largest => weighted,
+            Gain::Smallest => -weighted,
         };
-        let course: [[Matrix; RULES]; VERTICES_OF_RHO] =
-            std::array::from_fn(|vertex| dynamics.each_ref().map(|n| row(&n[vertex], input)));
-        let mut inequalities = vec![q.clone()];
-        for k in 0..RULES {
-            for course in &course {
+        let zero = Affine::zeros;
+        let quadratic = Affine::blocks([
+            [weighted, zero(3 + inputs, 3)],
+            [zero(3, 3 + inputs), zero(3, 3)],
+        ]);
+        let mut inequalities = [vec![q.clone()], Vec::new()];
+        for (vertex, course) in error.courses.iter().enumerate() {
+            let inequalities = &mut inequalities[usize::from(vertex >= FIRST_VERTICES)];
+            for k in 0..RULES {
                 let l = |i: usize, j: usize| {
                     let finsler = (&x[j][k] * &course[i]).he();
                     band.base(&p[i], &p[k], q, inputs) + &quadratic + finsler
@@ -326,12 +423,4 @@ impl Problem<'_> {
         }
         inequalities
     }
-}
-
-/// `[N, B, -I]`, which sends (e, w, e+) to zero along the error's course.
-fn row(n: &Matrix, input: &Matrix) -> Matrix {
-    let minus_identity = -Matrix::identity(3, 3);
-    let columns: Vec<_> =
-        n.column_iter().chain(input.column_iter()).chain(minus_identity.column_iter()).collect();
-    Matrix::from_columns(&columns)
 }

@@ -3,24 +3,28 @@
 use std::fmt;
 
 use clarabel::solver::SolverStatus;
-use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation};
+use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, RULES};
 
+use crate::band::Band;
 use crate::calibration::{Level, calibrate, drives};
-use crate::certificate::{check, error_dynamics};
+use crate::certificate::{Check, check, error_dynamics};
 use crate::certified::certified;
+use crate::channel::Channel;
 use crate::design_file::{
-    Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FrozenRecord, LargestBeta,
-    Performance, Rule, StartUpRecord, SynthesisRecord,
+    AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
+    FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
 };
-use crate::frequency::frozen;
+use crate::frequency::{Inputs, at_point, detection_ratio, frozen, limit};
 use crate::gains::{ObserverGains, rows};
+use crate::gap::{self, SearchRecord};
 use crate::infeasible::{Obstacle, diagnose};
 use crate::lmi::Matrix;
-use crate::spec::Spec;
+use crate::operating_point::OperatingPoint;
+use crate::spec::{MethodName, Spec};
 use crate::spec_error::SpecError;
 use crate::start_up::{self, spectral_radius};
 use crate::synthesis::{Goal, NoSolution, Synthesis, solve};
-use crate::theorem4::{Band, Theorem4, matrix};
+use crate::theorem4::{Theorem4, matrix};
 
 /// The start-up term may be forgotten once below this share of the smallest fault's residual.
 const NEGLIGIBLE: f64 = 0.1;
@@ -36,6 +40,15 @@ pub enum Step {
     SmallestGamma,
     /// The inequalities for the stored gains.
     Check,
+    /// The search for multipliers: how many syntheses of how many are done.
+    Search {
+        /// Syntheses done.
+        done: usize,
+        /// All syntheses.
+        of: usize,
+    },
+    /// The gains' refinement.
+    Refine,
     /// Gains at frozen operating points.
     Frozen,
     /// The gains' certificate.
@@ -57,6 +70,8 @@ impl fmt::Display for Step {
             Self::LargestBeta => write!(f, "maximising beta"),
             Self::SmallestGamma => write!(f, "minimising gamma"),
             Self::Check => write!(f, "checking the inequalities"),
+            Self::Search { done, of } => write!(f, "searching multipliers: {done} of {of}"),
+            Self::Refine => write!(f, "refining the gains"),
             Self::Frozen => write!(f, "evaluating frozen operating points"),
             Self::Certify => write!(f, "certifying the gains"),
             Self::StartUp => write!(f, "bounding the start-up"),
@@ -111,28 +126,27 @@ pub enum DesignError {
 pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
     spec.check()?;
     let model = spec.model();
-    let disturbance = spec.disturbance_channel()?;
-    let fault = spec.fault_channel()?;
-    let theorem =
-        Theorem4::new(&model, &disturbance, &fault, &spec.multipliers(), spec.design.decay);
+    let faults = spec.fault_channels()?;
+    let inputs = spec.inputs()?;
+    let theorem = spec.theorem(&inputs);
+    let points = OperatingPoint::grid(&model);
 
-    progress(Step::LargestBeta);
-    let largest = largest_beta(spec, &theorem)?;
-    progress(Step::SmallestGamma);
-    let synthesis = smallest_gamma(spec, &theorem, largest.beta)?;
-    progress(Step::Check);
-    let Synthesis { gains, lyapunov, gamma, beta, .. } = &synthesis;
-    let margins = check(&theorem, gains, lyapunov, *gamma, *beta);
+    let found = match spec.design.method {
+        MethodName::Paper => paper(spec, &theorem, progress)?,
+        MethodName::Gap => by_gap(spec, &theorem, &inputs, progress)?,
+    };
+    let Found { gains, synthesis, theorem, .. } = &found;
 
     progress(Step::Frozen);
-    let smallest_fault = spec.fault[0].smallest();
-    let bound = spec.disturbance[0].bound();
-    let frozen = frozen(&model, gains, &disturbance, &fault);
-    let smallest_fault_residual = frozen.beta * smallest_fault;
+    let frozen = frozen(&points, &gains.gains, &inputs);
+    let figures: Vec<_> =
+        points.iter().map(|point| at_point(point, &gains.gains, &inputs)).collect();
+    let noise_rms = figures.iter().map(|x| x.noise_rms).fold(0.0, f64::max);
+    let smallest_fault_residual = frozen.beta * inputs.smallest_fault;
     progress(Step::Certify);
     let (certified, a_posteriori) =
-        certified(&theorem, gains, &frozen, smallest_fault, bound).ok().unzip();
-    let evaluation = evaluate(spec, &theorem, gains, smallest_fault_residual, progress)?;
+        certified(theorem, gains, &frozen, &inputs).ok().unzip();
+    let evaluation = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
 
     let mut design = Design {
         format: FORMAT.into(),
@@ -149,7 +163,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
         g: model.g_phi().map(|g| [g]),
         c: C,
         d: nested(&spec.d()),
-        d_y: None,
+        d_y: Some(spec.d_y()).filter(|d_y| d_y.ncols() > 0).map(|d_y| nested(&d_y)),
         f: nested(&spec.f()),
         e: gains.gains.e,
         m: gains.gains.m,
@@ -159,40 +173,47 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             alpha_d: theorem.alpha_d,
             alpha_f: theorem.alpha_f,
             v: nested(&theorem.v),
-            gamma: *gamma,
-            beta: *beta,
+            gamma: synthesis.gamma,
+            beta: synthesis.beta,
             beta_bound: theorem.beta_bound(),
-            gap: beta * smallest_fault / (gamma * bound),
+            gap: synthesis.beta * inputs.smallest_fault / (synthesis.gamma * inputs.bound),
             solver: SOLVER.into(),
             status: unproven(synthesis.status),
             solver_status: format!("{:?}", synthesis.status),
             iterations: synthesis.iterations,
-            largest_beta: LargestBeta {
-                gamma: largest.gamma,
-                beta: largest.beta,
-                solver_status: format!("{:?}", largest.status),
-                iterations: largest.iterations,
-            },
+            largest_beta: found.largest_beta.clone(),
+            search: found.search,
         },
         performance: Performance {
-            limit: None,
-            detection_ratio: None,
-            noise_rms: None,
-            frozen: FrozenRecord::new(frozen, smallest_fault, bound),
+            limit: figures.iter().filter_map(|x| x.limit).reduce(f64::min),
+            detection_ratio: detection_ratio(frozen.beta, frozen.gamma, noise_rms, &inputs),
+            noise_rms,
+            frozen: FrozenRecord::new(frozen, inputs.smallest_fault, inputs.bound),
             certified,
-            norm: "2-norm of the stacked disturbances, each in proportion to its bound".into(),
+            norm: "2-norm of the stacked disturbances of a band, each in proportion to its bound, to \
+                   the 2-norm of the weighted residual; of several bands the root of the sum of \
+                   squares"
+                .into(),
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&matrix(&n))),
             smallest_fault_residual,
+            operating_points: figures,
+            other_faults: other_faults(spec, &points, gains, &inputs, noise_rms, &faults),
         },
         certificate: Certificate {
-            statement: statement(&theorem),
-            p_s: lyapunov.p_s.each_ref().map(rows),
-            p_d: lyapunov.p_d.each_ref().map(rows),
-            p_f: lyapunov.p_f.each_ref().map(rows),
-            q_d: rows(&lyapunov.q_d),
-            q_f: rows(&lyapunov.q_f),
-            r: rows(&lyapunov.r),
-            margins,
+            statement: found.check.map(|_| statement(theorem)),
+            p_s: found.p_s.each_ref().map(rows),
+            attenuation: found.check.map(|_| {
+                let of_band = |x: &crate::synthesis::AttenuationMatrices| AttenuationRecord {
+                    gamma: x.gamma,
+                    p_d: x.p.each_ref().map(rows),
+                    q_d: rows(&x.q),
+                };
+                synthesis.lyapunov.attenuation.iter().map(of_band).collect()
+            }),
+            p_f: found.check.map(|_| synthesis.lyapunov.p_f.each_ref().map(rows)),
+            q_f: found.check.map(|_| rows(&synthesis.lyapunov.q_f)),
+            r: found.check.map(|_| rows(&synthesis.lyapunov.r)),
+            margins: found.check,
             a_posteriori,
         },
         spec: spec.clone(),
@@ -201,6 +222,106 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     design.configuration().check()?;
     sign(&mut design)?;
     Ok(design)
+}
+
+/// Gains, and how they were found.
+struct Found {
+    gains: ObserverGains,
+    /// P_s,i that prove their decay.
+    p_s: [Matrix; RULES],
+    /// What they are of, or what the search went on from.
+    synthesis: Synthesis,
+    /// With the multipliers of that synthesis.
+    theorem: Theorem4,
+    /// Of method "paper".
+    largest_beta: Option<LargestBeta>,
+    /// (13), (31)-(33) for the gains, where they are those of the synthesis.
+    check: Option<Check>,
+    /// Of method "gap".
+    search: Option<SearchRecord>,
+}
+
+/// Method "paper": Theorem 4 with the given multipliers.
+fn paper(
+    spec: &Spec,
+    theorem: &Theorem4,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Found, DesignError> {
+    progress(Step::LargestBeta);
+    let largest = largest_beta(spec, theorem)?;
+    progress(Step::SmallestGamma);
+    let synthesis = smallest_gamma(spec, theorem, largest.beta)?;
+    progress(Step::Check);
+    let Synthesis { gains, lyapunov, gamma, beta, .. } = &synthesis;
+    let check = check(theorem, gains, lyapunov, *gamma, *beta);
+    Ok(Found {
+        gains: *gains,
+        p_s: lyapunov.p_s.clone(),
+        check: Some(check),
+        theorem: theorem.clone(),
+        largest_beta: Some(LargestBeta {
+            gamma: largest.gamma,
+            beta: largest.beta,
+            solver_status: format!("{:?}", largest.status),
+            iterations: largest.iterations,
+        }),
+        search: None,
+        synthesis,
+    })
+}
+
+/// Method "gap": the search.
+fn by_gap(
+    spec: &Spec,
+    theorem: &Theorem4,
+    inputs: &Inputs,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Found, DesignError> {
+    let found = gap::search(theorem, &spec.model(), inputs, &spec.design, progress)
+        .ok_or_else(|| infeasible(spec, theorem))?;
+    Ok(Found {
+        gains: found.gains,
+        p_s: found.p_s,
+        synthesis: found.synthesis,
+        theorem: found.theorem,
+        largest_beta: None,
+        check: None,
+        search: Some(found.record),
+    })
+}
+
+/// What stands in the way of a synthesis.
+fn infeasible(spec: &Spec, theorem: &Theorem4) -> DesignError {
+    DesignError::Infeasible(diagnose(theorem, spec.design.gamma, spec.design.beta_fraction))
+}
+
+/// The figures of the faults that the gains were not made for.
+fn other_faults(
+    spec: &Spec,
+    points: &[OperatingPoint],
+    gains: &ObserverGains,
+    inputs: &Inputs,
+    noise_rms: f64,
+    faults: &[Channel],
+) -> Vec<FaultFigures> {
+    let others = spec.fault.iter().zip(faults).skip(1);
+    others
+        .map(|(fault, channel)| {
+            let inputs = Inputs {
+                fault: channel.clone(),
+                smallest_fault: fault.smallest(),
+                ..inputs.clone()
+            };
+            let frozen = frozen(points, &gains.gains, &inputs);
+            let limits = points.iter().filter_map(|point| limit(point, &inputs));
+            FaultFigures {
+                fault: *fault,
+                limit: limits.reduce(f64::min),
+                detection_ratio: detection_ratio(frozen.beta, frozen.gamma, noise_rms, &inputs),
+                frozen: FrozenRecord::new(frozen, inputs.smallest_fault, inputs.bound),
+            }
+        })
+        .collect()
 }
 
 /// Gives the design its status and hash. Only the proof of the very file grants "certified".
@@ -218,8 +339,7 @@ fn sign(design: &mut Design) -> Result<(), DesignError> {
 /// The paper's problem: the largest beta subject to (31)-(33) with the given gamma.
 fn largest_beta(spec: &Spec, theorem: &Theorem4) -> Result<Synthesis, DesignError> {
     let gamma = spec.design.gamma;
-    solve(theorem, Goal::LargestBeta { gamma: Some(gamma) })
-        .map_err(|_| DesignError::Infeasible(diagnose(theorem, gamma, spec.design.beta_fraction)))
+    solve(theorem, Goal::LargestBeta { gamma: Some(gamma) }).map_err(|_| infeasible(spec, theorem))
 }
 
 /// The well-posed problem: the smallest gamma subject to (31)-(33), with beta just inside its bound.
@@ -317,13 +437,15 @@ fn statement(theorem: &Theorem4) -> String {
         ),
         Band::Full => format!("any l2 input {name}"),
     };
+    let bands = theorem.disturbances.iter().map(|channel| input("d", channel.band));
     format!(
         "If the margins hold: for x and x^ in S_x and any course of the premise, the error decays \
-         at least like {}^k; with e_0 = 0, ||r|| < gamma ||d|| for {}; ||r|| > beta ||f|| for {}. \
-         Checked in double precision against a stated rounding allowance, not in exact arithmetic.",
+         at least like {}^k; with e_0 = 0, ||W_r r|| < gamma ||d|| for {}; ||W_r r|| > beta ||f|| for \
+         {}. Checked in double precision against a stated rounding allowance, not in exact \
+         arithmetic.",
         theorem.decay,
-        input("d", theorem.disturbance_band),
-        input("f", theorem.fault_band),
+        bands.collect::<Vec<_>>().join(", and with its own gamma "),
+        input("f", theorem.fault.band),
     )
 }
 

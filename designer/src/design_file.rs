@@ -18,8 +18,9 @@ use steerguard_detector::{Configuration, ConfigurationError, Evaluation, Gains, 
 use crate::calibration::Level;
 use crate::certificate::{Check, Margin};
 use crate::certified::{APosteriori, CertifiedFigures};
-use crate::frequency::Frozen;
-use crate::spec::{MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
+use crate::frequency::{Frozen, PointFigures};
+use crate::gap::SearchRecord;
+use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
 use crate::spec_error::SpecError;
 
 /// Value of the key `format`.
@@ -57,10 +58,10 @@ pub struct Design {
     /// D, 3 x n_d: a column of each disturbance, per unit.
     #[serde(rename = "D")]
     pub d: Vec<Vec<f64>>,
-    /// D_y of sensor noise: not part of this format's methods yet.
+    /// D_y, 2 x n_y: a column of each bounded sensor noise, per m/s or rad/s; null without.
     #[serde(rename = "D_y")]
     pub d_y: Option<Vec<Vec<f64>>>,
-    /// F, 3 x 1, per rad or N m.
+    /// F, 3 x n_f: a column of each fault, per rad or N m.
     #[serde(rename = "F")]
     pub f: Vec<Vec<f64>>,
     /// E, 3 x 2.
@@ -143,14 +144,15 @@ pub struct StartUpRecord {
 pub struct SynthesisRecord {
     /// Method.
     pub method: MethodName,
-    /// alpha_d.
+    /// alpha_d: with alpha_f and V what the synthesis had, given or found.
     pub alpha_d: f64,
     /// alpha_f.
     pub alpha_f: f64,
     /// V, 1 x 3.
     #[serde(rename = "V")]
     pub v: Vec<Vec<f64>>,
-    /// gamma of (31), per unit of the first disturbance: the smallest for this beta.
+    /// gamma of (31), per unit of the first disturbance: the smallest for this beta. Method "gap"
+    /// goes on from this synthesis.
     pub gamma: f64,
     /// beta of (32), per rad or N m.
     pub beta: f64,
@@ -166,8 +168,11 @@ pub struct SynthesisRecord {
     pub solver_status: String,
     /// The solver's iterations.
     pub iterations: u32,
-    /// The paper's own problem: the largest beta for a given gamma. No gains are taken from it.
-    pub largest_beta: LargestBeta,
+    /// The paper's own problem: the largest beta for a given gamma. No gains are taken from it; null
+    /// for method "gap".
+    pub largest_beta: Option<LargestBeta>,
+    /// The search of method "gap"; null for method "paper".
+    pub search: Option<SearchRecord>,
 }
 
 /// Result of "maximise beta subject to (31)-(33)".
@@ -201,12 +206,15 @@ pub enum DesignStatus {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Performance {
-    /// The gap that no residual generator exceeds: not computed yet.
+    /// The gap that no residual generator exceeds, at the worst operating point; null: unbounded.
+    /// See [`crate::frequency::limit`].
     pub limit: Option<f64>,
-    /// Detection ratio under sensor noise: not computed yet.
-    pub detection_ratio: Option<f64>,
-    /// RMS of the residual under sensor noise: not computed yet.
-    pub noise_rms: Option<f64>,
+    /// Residual of the smallest fault against that of disturbances and noise, at the worst operating
+    /// point. See [`crate::frequency::detection_ratio`].
+    pub detection_ratio: f64,
+    /// RMS of the weighted residual under white sensor noise, at the worst operating point. See
+    /// [`crate::frequency::noise_rms`].
+    pub noise_rms: f64,
     /// Worst gains at frozen operating points.
     pub frozen: FrozenRecord,
     /// Certified for the gains as stored, with free multipliers; null where there is no
@@ -218,6 +226,24 @@ pub struct Performance {
     pub spectral_radii: [f64; RULES],
     /// Frozen beta times the smallest fault of interest: what J tends to, at least.
     pub smallest_fault_residual: f64,
+    /// The figures at every operating point of the grid.
+    pub operating_points: Vec<PointFigures>,
+    /// The faults that the gains were not made for.
+    pub other_faults: Vec<FaultFigures>,
+}
+
+/// What the gains are worth for a fault that they were not made for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FaultFigures {
+    /// The fault.
+    pub fault: Fault,
+    /// As in [`Performance`].
+    pub limit: Option<f64>,
+    /// As in [`Performance`].
+    pub detection_ratio: f64,
+    /// As in [`Performance`].
+    pub frozen: FrozenRecord,
 }
 
 /// Frozen gains and their ratio.
@@ -245,35 +271,46 @@ impl FrozenRecord {
     }
 }
 
-/// The matrices by which the gains satisfy (31)-(33).
+/// The matrices that prove what the gains are worth. Those of (31) and (32) are null where the gains
+/// are not those of a synthesis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// What is proven if the check holds, in words.
-    pub statement: String,
-    /// P_s,i of (33).
+    /// What (31)-(33) prove if their check holds, in words.
+    pub statement: Option<String>,
+    /// P_s,i: the decay of the error.
     #[serde(rename = "P_s")]
     pub p_s: [Rows3; RULES],
-    /// P_d,i of (31).
-    #[serde(rename = "P_d")]
-    pub p_d: [Rows3; RULES],
+    /// Of (31), for each band of the disturbances.
+    pub attenuation: Option<Vec<AttenuationRecord>>,
     /// P_f,i of (32).
     #[serde(rename = "P_f")]
-    pub p_f: [Rows3; RULES],
-    /// Q of (31).
-    #[serde(rename = "Q_d")]
-    pub q_d: Rows3,
+    pub p_f: Option<[Rows3; RULES]>,
     /// Q of (32).
     #[serde(rename = "Q_f")]
-    pub q_f: Rows3,
+    pub q_f: Option<Rows3>,
     /// R.
     #[serde(rename = "R")]
-    pub r: Rows3,
-    /// Margins of the inequalities at these matrices and the gains above.
-    pub margins: Check,
+    pub r: Option<Rows3>,
+    /// Margins of (13), (31)-(33) at these matrices and the gains above.
+    pub margins: Option<Check>,
     /// The matrices behind `performance.certified`, with P_s for its decay; null where there are
     /// none.
     pub a_posteriori: Option<APosteriori>,
+}
+
+/// The matrices of (31) for a band of the disturbances.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AttenuationRecord {
+    /// gamma of the band.
+    pub gamma: f64,
+    /// P_d,i.
+    #[serde(rename = "P_d")]
+    pub p_d: [Rows3; RULES],
+    /// Q.
+    #[serde(rename = "Q_d")]
+    pub q_d: Rows3,
 }
 
 /// Why a design file is refused.

@@ -1,28 +1,28 @@
-//! Frozen analysis: gains of the error dynamics at constant operating points.
-//!
-//! At constant v_x, v_y and r the residual is `G(z) input` with
-//! `G(z) = C (z I - N(h) - M G rho)^-1 M B` and rho = 2 v_y.
+//! Frozen analysis: what the gains, and any residual generator at all, can do at constant operating
+//! points.
 //!
 //! # Conventions
-//! - Operating points and frequencies form a grid; a figure is the worst of the grid.
-//! - Between grid frequencies `||G(z) - G(z_0)|| <= d ||C R|| ||R M B|| / (1 - d ||R||)`, with
+//! - Figures are those of the weighted residual W_r r, worst over the operating points and over a
+//!   grid of each input's band.
+//! - gamma is the gain from the stacked inputs of a band in the 2-norm, inputs in units of the first
+//!   disturbance; of several bands it is the square root of the sum of squares.
+//! - Between grid frequencies `||G(z) - G(z_0)|| <= d ||C R|| ||R B|| / (1 - d ||R||)`, with
 //!   `R = (z_0 I - N)^-1` and d the largest distance of z from a grid point z_0: the figures
 //!   `at_least` and `at_most` include it and hold for the whole band.
 
-use nalgebra::{Complex, Matrix3, SMatrix};
+use nalgebra::{Complex, DMatrix, Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{C, Interval, TsModel};
+use steerguard_detector::{C, Gains};
 
-use crate::gains::ObserverGains;
-use crate::lmi::Matrix;
-use crate::theorem4::Channel;
+use crate::channel::Channel;
+use crate::operating_point::{FrozenError, OperatingPoint, extreme_gains, fixed};
 
 /// Frequencies across a band.
 const FREQUENCIES: u32 = 1000;
-/// Speeds, and values of r and v_y, across the operating range.
-const SPEEDS: u32 = 6;
-const YAW_RATES: u32 = 3;
-const LATERAL_SPEEDS: u32 = 3;
+/// Frequencies at which the limit is taken.
+const FREQUENCIES_OF_LIMIT: u32 = 100;
+/// `Gd Gd*` counts as singular where its determinant is below this share of its trace squared.
+const SINGULAR: f64 = 1e-13;
 
 /// What the frozen error dynamics do to fault and disturbance, the worst over the operating points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,51 +31,176 @@ pub struct Frozen {
     pub beta: f64,
     /// What lies between grid frequencies included.
     pub beta_at_least: f64,
-    /// Largest gain from the disturbances over their band, per unit of the first, 2-norm of the
-    /// stacked vector.
+    /// Largest gain from the disturbances over their bands, per unit of the first.
     pub gamma: f64,
     /// What lies between grid frequencies included.
     pub gamma_at_most: f64,
 }
 
-/// Evaluates the frozen error dynamics over the operating range.
-pub fn frozen(
-    model: &TsModel,
-    gains: &ObserverGains,
-    disturbance: &Channel,
-    fault: &Channel,
-) -> Frozen {
-    let m = fixed::<3, 3>(&gains.gains.m);
+/// What is asked of the residual: the inputs, in the units of the figures.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    /// The fault that is designed for, per rad or N m.
+    pub fault: Channel,
+    /// Disturbances and bounded noise by their bands, per unit of the first disturbance.
+    pub disturbances: Vec<Channel>,
+    /// Standard deviations of white sensor noise on [v_x, r], m/s and rad/s.
+    pub white_std: [f64; 2],
+    /// Smallest fault of interest, rad or N m.
+    pub smallest_fault: f64,
+    /// Bound of the first disturbance, in its unit.
+    pub bound: f64,
+    /// Diagonal of W_r.
+    pub weights: [f64; 2],
+}
+
+/// The figures at one operating point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PointFigures {
+    /// Longitudinal speed.
+    pub v_x_m_per_s: f64,
+    /// Lateral speed.
+    pub v_y_m_per_s: f64,
+    /// Yaw rate.
+    pub r_rad_per_s: f64,
+    /// Smallest gain from the fault over its band, per rad or N m.
+    pub beta: f64,
+    /// Largest gain from the disturbances over their bands, per unit of the first.
+    pub gamma: f64,
+    /// RMS of the weighted residual under white sensor noise.
+    pub noise_rms: f64,
+    /// [`detection_ratio`].
+    pub detection_ratio: f64,
+    /// [`limit`] of the gap; null: unbounded.
+    pub limit: Option<f64>,
+}
+
+/// The figures at an operating point.
+pub fn at_point(point: &OperatingPoint, gains: &Gains, inputs: &Inputs) -> PointFigures {
+    let error = FrozenError::new(point, gains, inputs.weights);
+    let [beta, gamma] = [gain(&error, &inputs.fault).smallest, total(&error, inputs, |x| x.largest)];
+    let noise_rms = noise_rms(&error, inputs.white_std);
+    let [v_x_m_per_s, v_y_m_per_s, r_rad_per_s] = point.state;
+    PointFigures {
+        v_x_m_per_s,
+        v_y_m_per_s,
+        r_rad_per_s,
+        beta,
+        gamma,
+        noise_rms,
+        detection_ratio: detection_ratio(beta, gamma, noise_rms, inputs),
+        limit: limit(point, inputs),
+    }
+}
+
+/// Worst gains over `points`.
+pub fn frozen(points: &[OperatingPoint], gains: &Gains, inputs: &Inputs) -> Frozen {
     let mut result = Frozen {
         beta: f64::INFINITY,
         beta_at_least: f64::INFINITY,
         gamma: 0.0,
         gamma_at_most: 0.0,
     };
-    for v_x in grid(model.range.v_x, SPEEDS) {
-        for r in grid(model.range.r, YAW_RATES) {
-            for v_y in grid(model.range.v_y, LATERAL_SPEEDS) {
-                let n = error_matrix(model, gains, [v_x, v_y, r]);
-                let from_fault = gain(&n, &m, fault);
-                let from_disturbance = gain(&n, &m, disturbance);
-                result.beta = result.beta.min(from_fault.smallest);
-                result.beta_at_least = result.beta_at_least.min(from_fault.at_least);
-                result.gamma = result.gamma.max(from_disturbance.largest);
-                result.gamma_at_most = result.gamma_at_most.max(from_disturbance.at_most);
-            }
+    let mut largest = vec![[0.0_f64; 2]; inputs.disturbances.len()];
+    for point in points {
+        let error = FrozenError::new(point, gains, inputs.weights);
+        let from_fault = gain(&error, &inputs.fault);
+        result.beta = result.beta.min(from_fault.smallest);
+        result.beta_at_least = result.beta_at_least.min(from_fault.at_least);
+        for (channel, [grid, at_most]) in inputs.disturbances.iter().zip(&mut largest) {
+            let from_disturbances = gain(&error, channel);
+            *grid = grid.max(from_disturbances.largest);
+            *at_most = at_most.max(from_disturbances.at_most);
         }
+    }
+    for [grid, at_most] in largest {
+        result.gamma = result.gamma.hypot(grid);
+        result.gamma_at_most = result.gamma_at_most.hypot(at_most);
     }
     result
 }
 
-/// `N(h) + M G rho` at `[v_x, v_y, r]`, where rho = 2 v_y.
-fn error_matrix(model: &TsModel, gains: &ObserverGains, [v_x, v_y, r]: [f64; 3]) -> Matrix3<f64> {
-    let membership = model.membership([v_x, r]);
-    let rules = membership.iter().zip(&gains.gains.n);
-    let n = rules.fold(Matrix3::zeros(), |sum, (&h, n)| sum + fixed::<3, 3>(n) * h);
-    let m_g = fixed::<3, 3>(&gains.gains.m)
-        * Matrix3::from_fn(|row, column| if column == 1 { model.g_phi()[row] } else { 0.0 });
-    n + m_g * (2.0 * v_y)
+/// The fault's residual against that of disturbances and noise together:
+/// `beta x smallest fault / sqrt((gamma x bound)^2 + noise_rms^2)` (METHOD.md 5).
+pub fn detection_ratio(beta: f64, gamma: f64, noise_rms: f64, inputs: &Inputs) -> f64 {
+    beta * inputs.smallest_fault / (gamma * inputs.bound).hypot(noise_rms)
+}
+
+/// RMS of the weighted residual under white sensor noise with the given standard deviations of
+/// [v_x, r]: the H2 norm of the error dynamics, scaled. Infinite where they are not stable.
+pub fn noise_rms(error: &FrozenError, white_std: [f64; 2]) -> f64 {
+    let d_y = Matrix2::from_diagonal(&Vector2::from(white_std));
+    let b = error.from_noise * d_y;
+    let feedthrough = error.feedthrough * d_y;
+    // Covariance of the error: P = N P N' + B B'.
+    let Some(covariance) = discrete_lyapunov(&error.n, &(b * b.transpose())) else {
+        return f64::INFINITY;
+    };
+    let variance = (error.output * covariance * error.output.transpose()).trace()
+        + feedthrough.norm_squared();
+    if variance >= 0.0 { variance.sqrt() } else { f64::INFINITY }
+}
+
+/// X of `X = N X N' + Y`; none where it has no unique solution.
+pub(crate) fn discrete_lyapunov(
+    n: &Matrix3<f64>,
+    y: &Matrix3<f64>,
+) -> Option<Matrix3<f64>> {
+    let map = SMatrix::<f64, 9, 9>::identity() - n.kronecker(n);
+    let x = map.lu().solve(&SVector::<f64, 9>::from_iterator(y.iter().copied()))?;
+    Some(Matrix3::from_iterator(x.iter().copied()))
+}
+
+/// The gap that no residual generator exceeds at this operating point:
+/// `sqrt(Gf* (Gd Gd*)^-1 Gf)`, the smallest over the fault's band, Gd of the disturbances and
+/// bounded noise active at that frequency, every channel in units of smallest fault and bound
+/// (METHOD.md 5.1). None: unbounded, `Gd Gd*` is singular at every frequency.
+pub fn limit(point: &OperatingPoint, inputs: &Inputs) -> Option<f64> {
+    let c = fixed(&C).map(Complex::from);
+    let frequencies = inputs.fault.band.grid(FREQUENCIES_OF_LIMIT);
+    let at = |w: f64| {
+        // Both sides times det(zI - A), which is zero at z = 1: (zI - A)^-1 becomes the adjugate.
+        let z = Complex::from_polar(1.0, w);
+        let shifted = Matrix3::from_diagonal_element(z) - point.a.map(Complex::from);
+        let [x, y, z] = [0, 1, 2].map(|k| shifted.column(k).into_owned());
+        let adjugate = Matrix3::from_rows(&[
+            y.cross(&z).transpose(),
+            z.cross(&x).transpose(),
+            x.cross(&y).transpose(),
+        ]);
+        let determinant = x.dot(&y.cross(&z));
+        let to_residual = c * adjugate;
+
+        let mut gd_gd = Matrix2::<Complex<f64>>::zeros();
+        for channel in inputs.disturbances.iter().filter(|channel| channel.band.holds(w)) {
+            for d in channel.direction.column_iter() {
+                let d = Vector3::from_iterator(d.iter().map(|&x| Complex::from(x * inputs.bound)));
+                let g = to_residual * d;
+                gd_gd += g * g.adjoint();
+            }
+            for d_y in channel.noise.column_iter() {
+                let d_y = Vector2::from_iterator(d_y.iter().map(|&x| x * inputs.bound));
+                let g = to_residual * (-point.k * d_y).map(Complex::from)
+                    + d_y.map(|x| determinant * x);
+                gd_gd += g * g.adjoint();
+            }
+        }
+        let trace = gd_gd.trace().re;
+        let singular = gd_gd.determinant().norm() <= SINGULAR * trace * trace;
+        let inverse = if singular { None } else { gd_gd.try_inverse() }?;
+        let f = Vector3::from_iterator(
+            inputs.fault.direction.iter().map(|&x| Complex::from(x * inputs.smallest_fault)),
+        );
+        let g_f = to_residual * f;
+        Some((g_f.adjoint() * inverse * g_f)[0].re.max(0.0).sqrt())
+    };
+    frequencies.filter_map(at).reduce(f64::min)
+}
+
+/// Root of the sum of squares of a gain over the disturbances' bands.
+fn total(error: &FrozenError, inputs: &Inputs, of: impl Fn(&Gain) -> f64) -> f64 {
+    inputs.disturbances.iter().fold(0.0, |sum, channel| f64::hypot(sum, of(&gain(error, channel))))
 }
 
 /// Extremes of a gain over a band: on the grid, and with what lies between.
@@ -86,52 +211,38 @@ struct Gain {
     at_most: f64,
 }
 
-/// The gain of `C (z I - N)^-1 M B` over a band.
-fn gain(n: &Matrix3<f64>, m: &Matrix3<f64>, input: &Channel) -> Gain {
+/// The gain from `input` over its band.
+fn gain(error: &FrozenError, input: &Channel) -> Gain {
     let [from, to] = input.band.limits();
-    let step = (to - from) / f64::from(FREQUENCIES);
     // A chord is shorter than its arc.
-    let distance = step / 2.0;
-    let c: SMatrix<Complex<f64>, 2, 3> = fixed(&C).map(Complex::from);
-    let m_b =
-        (Matrix::from_iterator(3, 3, m.iter().copied()) * &input.direction).map(Complex::from);
+    let distance = (to - from) / f64::from(FREQUENCIES) / 2.0;
+    let output = error.output.map(Complex::from);
+    let columns: Vec<_> = error
+        .inputs(input)
+        .map(|(b, d)| (b.map(Complex::from), d.map(Complex::from)))
+        .collect();
+    let b = DMatrix::from_fn(3, columns.len(), |row, column| columns[column].0[row]);
 
     let unknown =
         Gain { smallest: 0.0, largest: f64::INFINITY, at_least: 0.0, at_most: f64::INFINITY };
     let mut gain =
         Gain { smallest: f64::INFINITY, largest: 0.0, at_least: f64::INFINITY, at_most: 0.0 };
-    for point in 0..=FREQUENCIES {
-        let z = Complex::from_polar(1.0, from + step * f64::from(point));
-        let zi_n = Matrix3::from_diagonal_element(z) - n.map(Complex::from);
-        let Some(resolvent) = zi_n.try_inverse() else {
+    for w in input.band.grid(FREQUENCIES) {
+        let Some(resolvent) = error.resolvent(w) else {
             return unknown;
         };
-        let c_r = c * resolvent;
-        let r_b = resolvent * &m_b;
+        let c_r = output * resolvent;
+        let [largest, smallest] = extreme_gains(columns.iter().map(|(b, d)| c_r * b + d));
         let near = distance * resolvent.norm();
         let between = if near < 1.0 {
-            distance * c_r.norm() * r_b.norm() / (1.0 - near)
+            distance * c_r.norm() * (resolvent * &b).norm() / (1.0 - near)
         } else {
             f64::INFINITY
         };
-        let g = (c_r * &m_b).singular_values();
-        gain.smallest = gain.smallest.min(g.min());
-        gain.largest = gain.largest.max(g.max());
-        gain.at_least = gain.at_least.min((g.min() - between).max(0.0));
-        gain.at_most = gain.at_most.max(g.max() + between);
+        gain.smallest = gain.smallest.min(smallest);
+        gain.largest = gain.largest.max(largest);
+        gain.at_least = gain.at_least.min((smallest - between).max(0.0));
+        gain.at_most = gain.at_most.max(largest + between);
     }
     gain
-}
-
-/// Evenly spread values, ends included.
-fn grid(interval: Interval, count: u32) -> impl Iterator<Item = f64> {
-    let step = (interval.max - interval.min) / f64::from(count - 1);
-    (0..count).map(
-        move |k| if k + 1 == count { interval.max } else { interval.min + step * f64::from(k) },
-    )
-}
-
-/// A matrix of rows, its size known.
-fn fixed<const R: usize, const K: usize>(rows: &[[f64; K]; R]) -> SMatrix<f64, R, K> {
-    SMatrix::from_fn(|row, column| rows[row][column])
 }

@@ -23,21 +23,26 @@ impl ObserverGains {
         a: &[Matrix; RULES],
     ) -> Option<Self> {
         let r_inverse = r.clone().try_inverse()?;
-        let c = matrix(&C);
         let e = &r_inverse * s; // (36)
         let h = w.each_ref().map(|w| &r_inverse * w); // (37)
-        let m = Matrix::identity(3, 3) + &e * &c; // (11)
+        Some(Self::new(&e, &h, a))
+    }
+
+    /// The gains of given E and H_i.
+    pub fn new(e: &Matrix, h: &[Matrix; RULES], a: &[Matrix; RULES]) -> Self {
+        let c = matrix(&C);
+        let m = Matrix::identity(3, 3) + e * &c; // (11)
         let n: [_; RULES] = std::array::from_fn(|i| &m * &a[i] - &h[i] * &c); // (35)
-        let l: [_; RULES] = std::array::from_fn(|i| &h[i] - &n[i] * &e); // (34), corrected
-        Some(Self {
+        let l: [_; RULES] = std::array::from_fn(|i| &h[i] - &n[i] * e); // (34), corrected
+        Self {
             gains: Gains {
                 n: n.map(|n| rows(&n)),
                 l: l.map(|l| rows(&l)),
                 m: rows(&m),
-                e: rows(&e),
+                e: rows(e),
             },
-            h: h.map(|h| rows(&h)),
-        })
+            h: h.each_ref().map(rows),
+        }
     }
 
     /// Largest element of `M A_i - N_i M - L_i C` over the rules: the observer equation (13).

@@ -12,15 +12,19 @@
 
 #![forbid(unsafe_code)]
 
+pub mod band;
 pub mod calibration;
 pub mod certificate;
 pub mod certified;
+pub mod channel;
 mod design;
 mod design_file;
 pub mod frequency;
 pub mod gains;
+pub mod gap;
 mod infeasible;
 pub mod lmi;
+pub mod operating_point;
 pub mod spec;
 mod spec_error;
 pub mod start_up;
@@ -30,7 +34,7 @@ pub mod theorem4;
 pub use certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::{DesignError, Step, design};
 pub use design_file::{
-    Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign, FORMAT, FrozenRecord,
+    AttenuationRecord, Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign, FORMAT, FaultFigures, FrozenRecord,
     LargestBeta, Performance, Rows3, Rule, StartUpRecord, SynthesisRecord,
 };
 pub use infeasible::Obstacle;

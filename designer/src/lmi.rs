@@ -129,7 +129,12 @@ impl Affine {
 
     /// `x I`, n x n, of a scalar x.
     pub fn times_identity(&self, n: usize) -> Self {
-        self.map(|x| Matrix::identity(n, n) * x[0])
+        self.times(&Matrix::identity(n, n))
+    }
+
+    /// `x Y` of a scalar x.
+    pub fn times(&self, y: &Matrix) -> Self {
+        self.map(|x| y * x[0])
     }
 
     /// The expression's value at `x`, one number for each decision variable.
@@ -310,6 +315,52 @@ pub fn minimise(
         iterations: solver.solution.iterations,
         x: solver.solution.x,
     })
+}
+
+/// Inequalities added in a round of [`minimise_with_cuts`].
+const CUTS: usize = 48;
+/// Its rounds at most.
+const ROUNDS: usize = 40;
+
+/// As [`minimise`], subject to `inequalities` and `further` ones, which are added only once a
+/// solution without them misses them by more than `accepted`, the most missed first: of many similar
+/// inequalities few matter at the optimum. A solution satisfies them all.
+///
+/// # Errors
+/// As [`minimise`].
+pub fn minimise_with_cuts(
+    variables: &Variables,
+    objective: &Affine,
+    mut inequalities: Vec<Affine>,
+    mut further: Vec<Affine>,
+    accepted: f64,
+) -> Result<Solution, SolverError> {
+    let mut iterations = 0;
+    for _ in 0..ROUNDS {
+        let mut solution = minimise(variables, objective, &inequalities)?;
+        iterations += solution.iterations;
+        solution.iterations = iterations;
+        if !solution.is_candidate() {
+            return Ok(solution);
+        }
+        let mut missed: Vec<(f64, usize)> = further
+            .iter()
+            .enumerate()
+            .map(|(index, x)| (smallest_eigenvalue(&x.at(&solution.x)), index))
+            .filter(|&(eigenvalue, _)| eigenvalue < -accepted)
+            .collect();
+        if missed.is_empty() {
+            return Ok(solution);
+        }
+        missed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        missed.truncate(CUTS);
+        // From the back, so that places before stay what they are.
+        missed.sort_by_key(|&(_, index)| std::cmp::Reverse(index));
+        inequalities.extend(missed.into_iter().map(|(_, index)| further.swap_remove(index)));
+    }
+    // Too many rounds: all at once.
+    inequalities.append(&mut further);
+    minimise(variables, objective, &inequalities)
 }
 
 /// The upper triangle of a symmetric matrix by columns, off-diagonal elements times sqrt(2): the

@@ -12,13 +12,17 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{Interval, MAX_WINDOW, OperatingRange, TsModel, Vehicle};
 
+use crate::band::Band;
 use crate::calibration;
+use crate::channel::Channel;
+use crate::frequency::Inputs;
 use crate::lmi::Matrix;
 use crate::spec_error::{Allowed, SpecError, parse};
-use crate::theorem4::{Band, Channel, Multipliers};
+use crate::theorem4::{Multipliers, Theorem4};
 
-/// Standard acceleration of gravity, m/s^2.
-const GRAVITY: f64 = 9.80665;
+mod channel;
+
+pub use channel::{Disturbance, Fault, Noise, SpeedNoise, YawRateNoise};
 
 /// A specification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,10 +35,12 @@ pub struct Spec {
     pub operating_range: OperatingRangeTable,
     /// Sampling.
     pub sampling: Sampling,
-    /// Faults of interest; method "paper" takes one.
+    /// Faults of interest: the gains are made for the first, the others are reported.
     pub fault: Vec<Fault>,
-    /// Disturbances; method "paper" takes those of one band.
+    /// Disturbances.
     pub disturbance: Vec<Disturbance>,
+    /// Sensor noise.
+    pub noise: Noise,
     /// How the gains are found.
     pub design: Method,
     /// How the residual is evaluated.
@@ -124,171 +130,6 @@ impl Default for Sampling {
     }
 }
 
-/// `[[fault]]`: an additive fault of an actuator.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "channel", rename_all = "lowercase", deny_unknown_fields)]
-pub enum Fault {
-    /// Error of the road-wheel angle.
-    Steering {
-        /// Smallest fault of interest, degrees at the road wheel; default 0.5.
-        #[serde(default = "half_a_degree")]
-        smallest_deg: f64,
-        /// Frequency range; default [0, 1.5].
-        #[serde(default = "low_band")]
-        band_hz: [f64; 2],
-    },
-    /// Error of the drive torque at the wheels.
-    Torque {
-        /// Smallest fault of interest, N m at the wheels.
-        smallest_n_m: f64,
-        /// Frequency range; default [0, 1.5].
-        #[serde(default = "low_band")]
-        band_hz: [f64; 2],
-    },
-}
-
-fn half_a_degree() -> f64 {
-    0.5
-}
-
-fn low_band() -> [f64; 2] {
-    [0.0, 1.5]
-}
-
-impl Fault {
-    /// Column of B, in the order of the input [T_eng, delta].
-    pub fn column(&self) -> usize {
-        match self {
-            Self::Torque { .. } => 0,
-            Self::Steering { .. } => 1,
-        }
-    }
-
-    /// Smallest fault of interest in rad or N m.
-    pub fn smallest(&self) -> f64 {
-        match self {
-            Self::Steering { smallest_deg, .. } => smallest_deg.to_radians(),
-            Self::Torque { smallest_n_m, .. } => *smallest_n_m,
-        }
-    }
-
-    /// Frequency range, Hz.
-    pub fn band_hz(&self) -> [f64; 2] {
-        match self {
-            Self::Steering { band_hz, .. } | Self::Torque { band_hz, .. } => *band_hz,
-        }
-    }
-}
-
-/// `[[disturbance]]`: an unknown input, by its kind.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Disturbance {
-    /// A lateral specific force that acts ahead of the centre of gravity.
-    SideWind {
-        /// Name in reports.
-        name: String,
-        /// Distance of its line of action ahead of the centre of gravity; default 0.25.
-        #[serde(default = "quarter_of_a_metre")]
-        acting_ahead_m: f64,
-        /// Largest lateral specific force.
-        bound_m_per_s2: f64,
-        /// Frequency range; default [0, 1.5].
-        #[serde(default = "low_band")]
-        band_hz: [f64; 2],
-    },
-    /// Road bank, positive with the left side raised (ISO 8855 roll).
-    Bank {
-        /// Name in reports.
-        name: String,
-        /// Largest bank angle.
-        bound_deg: f64,
-        /// Frequency range; default [0, 1.5].
-        #[serde(default = "low_band")]
-        band_hz: [f64; 2],
-    },
-    /// A moment about the vertical axis.
-    YawMoment {
-        /// Name in reports.
-        name: String,
-        /// Largest moment.
-        bound_n_m: f64,
-        /// Frequency range; default [0, 1.5].
-        #[serde(default = "low_band")]
-        band_hz: [f64; 2],
-    },
-    /// Any other: `x' = ... + direction d`.
-    Direction {
-        /// Name in reports.
-        name: String,
-        /// Change of [v_x, v_y, r] in m/s^2, m/s^2, rad/s^2 per unit of d.
-        direction: [f64; 3],
-        /// Largest |d|.
-        bound: f64,
-        /// Frequency range; default [0, 1.5].
-        #[serde(default = "low_band")]
-        band_hz: [f64; 2],
-    },
-}
-
-fn quarter_of_a_metre() -> f64 {
-    0.25
-}
-
-impl Disturbance {
-    /// Name in reports.
-    pub fn name(&self) -> &str {
-        match self {
-            Self::SideWind { name, .. }
-            | Self::Bank { name, .. }
-            | Self::YawMoment { name, .. }
-            | Self::Direction { name, .. } => name,
-        }
-    }
-
-    /// Change of [v_x, v_y, r] in m/s^2, m/s^2, rad/s^2 per unit of the disturbance.
-    pub fn direction(&self, vehicle: &Vehicle) -> [f64; 3] {
-        match self {
-            Self::SideWind { acting_ahead_m, .. } => {
-                [0.0, 1.0, vehicle.mass_kg * acting_ahead_m / vehicle.yaw_inertia_kg_m2]
-            }
-            Self::Bank { .. } => [0.0, -GRAVITY.to_radians(), 0.0],
-            Self::YawMoment { .. } => [0.0, 0.0, 1.0 / vehicle.yaw_inertia_kg_m2],
-            Self::Direction { direction, .. } => *direction,
-        }
-    }
-
-    /// Largest magnitude, in its unit.
-    pub fn bound(&self) -> f64 {
-        match self {
-            Self::SideWind { bound_m_per_s2, .. } => *bound_m_per_s2,
-            Self::Bank { bound_deg, .. } => *bound_deg,
-            Self::YawMoment { bound_n_m, .. } => *bound_n_m,
-            Self::Direction { bound, .. } => *bound,
-        }
-    }
-
-    /// Unit of the disturbance.
-    pub fn unit(&self) -> &'static str {
-        match self {
-            Self::SideWind { .. } => "m/s^2",
-            Self::Bank { .. } => "deg",
-            Self::YawMoment { .. } => "N m",
-            Self::Direction { .. } => "1",
-        }
-    }
-
-    /// Frequency range, Hz.
-    pub fn band_hz(&self) -> [f64; 2] {
-        match self {
-            Self::SideWind { band_hz, .. }
-            | Self::Bank { band_hz, .. }
-            | Self::YawMoment { band_hz, .. }
-            | Self::Direction { band_hz, .. } => *band_hz,
-        }
-    }
-}
-
 /// `[design]`: how the gains are found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -307,8 +148,10 @@ pub struct Method {
     pub v: MultiplierV,
     /// Slowest decay of the error, a sample, for (33); default 0.97.
     pub decay: f64,
-    /// beta of the design as a fraction of the largest; default 0.97.
+    /// beta of the synthesis as a fraction of the largest; default 0.97.
     pub beta_fraction: f64,
+    /// Method "gap": number of syntheses; default 16.
+    pub search_budget: usize,
 }
 
 impl Default for Method {
@@ -321,6 +164,7 @@ impl Default for Method {
             v: MultiplierV::Name(VName::FTransposed),
             decay: 0.97,
             beta_fraction: 0.97,
+            search_budget: 16,
         }
     }
 }
@@ -329,6 +173,9 @@ impl Default for Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MethodName {
+    /// A search for the largest detection ratio: over the multipliers of Theorem 4, then over the
+    /// gains themselves.
+    Gap,
     /// Theorem 4 with given multipliers: largest beta, then smallest gamma near it.
     Paper,
 }
@@ -453,13 +300,17 @@ impl Default for Spec {
             vehicle: Vehicle::PAPER,
             operating_range: OperatingRangeTable::default(),
             sampling: Sampling::default(),
-            fault: vec![Fault::Steering { smallest_deg: half_a_degree(), band_hz: low_band() }],
+            fault: vec![Fault::Steering {
+                smallest_deg: channel::half_a_degree(),
+                band_hz: channel::low_band(),
+            }],
             disturbance: vec![Disturbance::SideWind {
                 name: "side wind".into(),
-                acting_ahead_m: quarter_of_a_metre(),
+                acting_ahead_m: channel::quarter_of_a_metre(),
                 bound_m_per_s2: 0.1,
-                band_hz: low_band(),
+                band_hz: channel::low_band(),
             }],
+            noise: Noise::default(),
             design: Method::default(),
             evaluation: Evaluation::default(),
         }
@@ -576,8 +427,8 @@ impl Spec {
     }
 
     fn check_channels(&self) -> Result<(), SpecError> {
-        let one_fault = "one fault of interest: method \"paper\" designs for one";
-        SpecError::unless(self.fault.len() == 1, "fault", self.fault.len(), one_fault)?;
+        let count = self.fault.len();
+        SpecError::unless((1..=8).contains(&count), "fault", count, "from 1 to 8 of them")?;
         for (index, fault) in self.fault.iter().enumerate() {
             let key = match fault {
                 Fault::Steering { smallest_deg, .. } => ("smallest_deg", *smallest_deg),
@@ -607,13 +458,32 @@ impl Spec {
                 }
             };
             Allowed::POSITIVE.check(&format!("{key}.{bound_key}"), bound)?;
-            let band = self.band(&key, disturbance.band_hz())?;
-            SpecError::unless(
-                band == self.band("disturbance[0]", self.disturbance[0].band_hz())?,
-                &format!("{key}.band_hz"),
-                disturbance.band_hz(),
-                "the band of the first disturbance: method \"paper\" takes one band",
-            )?;
+            self.band(&key, disturbance.band_hz())?;
+        }
+        self.check_noise()
+    }
+
+    fn check_noise(&self) -> Result<(), SpecError> {
+        let noise = &self.noise;
+        for (((signal, unit), white_std), (bound, band_hz)) in [("v_x", "m_per_s"), ("r", "rad_per_s")]
+            .into_iter()
+            .zip(noise.white_std())
+            .zip(noise.bounds().into_iter().zip(noise.bands_hz()))
+        {
+            let key = format!("noise.{signal}");
+            Allowed::NOT_NEGATIVE.check(&format!("{key}.white_std_{unit}"), white_std)?;
+            if let Some(bound) = bound {
+                Allowed::POSITIVE.check(&format!("{key}.bound_{unit}"), bound)?;
+            }
+            if let Some(band_hz) = band_hz {
+                self.band(&key, band_hz)?;
+                SpecError::unless(
+                    bound.is_some(),
+                    &format!("{key}.band_hz"),
+                    band_hz,
+                    "with a bound only: white noise has all frequencies",
+                )?;
+            }
         }
         Ok(())
     }
@@ -631,7 +501,14 @@ impl Spec {
             SpecError::unless(proper, "design.V", v, allowed)?;
         }
         Allowed::inside(0.0, 1.0).check("design.decay", design.decay)?;
-        Allowed::inside(0.0, 1.0).check("design.beta_fraction", design.beta_fraction)
+        Allowed::inside(0.0, 1.0).check("design.beta_fraction", design.beta_fraction)?;
+        let budget = design.search_budget;
+        SpecError::unless(
+            (1..=10_000).contains(&budget),
+            "design.search_budget",
+            budget,
+            "from 1 to 10000 syntheses",
+        )
     }
 
     fn check_evaluation(&self) -> Result<(), SpecError> {
@@ -731,32 +608,90 @@ impl Spec {
         })
     }
 
-    /// F, 3 x 1, per rad or N m.
+    /// F, 3 x n_f: a column of each fault, per rad or N m.
     pub fn f(&self) -> Matrix {
         let b = self.model().b();
         Matrix::from_fn(3, self.fault.len(), |row, column| b[row][self.fault[column].column()])
     }
 
-    /// The disturbances as one input in the unit of the first: each column of D in proportion to
-    /// its bound, so that the norm of the stacked vector weighs every channel by its bound.
-    ///
-    /// # Errors
-    /// [`SpecError`] for a band that is not possible.
-    pub(crate) fn disturbance_channel(&self) -> Result<Channel, SpecError> {
-        let mut direction = self.d();
-        for (mut column, disturbance) in direction.column_iter_mut().zip(&self.disturbance) {
-            column *= disturbance.bound() / self.disturbance[0].bound();
-        }
-        let band = self.band("disturbance[0]", self.disturbance[0].band_hz())?;
-        Ok(Channel { direction, band })
+    /// D_y, 2 x n_y: a column of each bounded sensor noise, per m/s or rad/s, in the order v_x, r.
+    pub fn d_y(&self) -> Matrix {
+        let signals: Vec<usize> = self.bounded_noise().map(|(signal, ..)| signal).collect();
+        Matrix::from_fn(2, signals.len(), |row, column| f64::from(row == signals[column]))
     }
 
-    /// The fault of interest as an input, in rad or N m.
+    /// Place in y, bound and band of each bounded sensor noise.
+    fn bounded_noise(&self) -> impl Iterator<Item = (usize, f64, [f64; 2])> {
+        let nyquist = 0.5 / self.sampling.period_s;
+        let signals = self.noise.bounds().into_iter().zip(self.noise.bands_hz()).enumerate();
+        signals.filter_map(move |(signal, (bound, band_hz))| {
+            Some((signal, bound?, band_hz.unwrap_or([0.0, nyquist])))
+        })
+    }
+
+    /// Disturbances and bounded noise as inputs of the error, one block for each band, in units of
+    /// the first disturbance: each column in proportion to its bound, so that the norm of the
+    /// stacked vector weighs every channel by its bound.
     ///
     /// # Errors
     /// [`SpecError`] for a band that is not possible.
-    pub(crate) fn fault_channel(&self) -> Result<Channel, SpecError> {
-        Ok(Channel { direction: self.f(), band: self.band("fault[0]", self.fault[0].band_hz())? })
+    pub fn disturbance_channels(&self) -> Result<Vec<Channel>, SpecError> {
+        let unit = self.disturbance[0].bound();
+        let d = self.d();
+        let mut channels: Vec<Channel> = Vec::new();
+        for (index, disturbance) in self.disturbance.iter().enumerate() {
+            let band = self.band(&format!("disturbance[{index}]"), disturbance.band_hz())?;
+            let column = d.columns(index, 1) * (disturbance.bound() / unit);
+            Channel::of_band(&mut channels, band).push_direction(&column);
+        }
+        for (signal, bound, band_hz) in self.bounded_noise() {
+            let band = self.band(["noise.v_x", "noise.r"][signal], band_hz)?;
+            let column = Matrix::from_fn(2, 1, |row, _| f64::from(row == signal) * bound / unit);
+            Channel::of_band(&mut channels, band).push_noise(&column);
+        }
+        Ok(channels)
+    }
+
+    /// The faults of interest as inputs of the error, in rad or N m; the first is designed for.
+    ///
+    /// # Errors
+    /// [`SpecError`] for a band that is not possible.
+    pub fn fault_channels(&self) -> Result<Vec<Channel>, SpecError> {
+        let f = self.f();
+        let faults = self.fault.iter().enumerate();
+        faults
+            .map(|(index, fault)| {
+                let band = self.band(&format!("fault[{index}]"), fault.band_hz())?;
+                Ok(Channel::disturbance(f.columns(index, 1).into_owned(), band))
+            })
+            .collect()
+    }
+
+    /// What is asked of the residual, for the fault that is designed for.
+    ///
+    /// # Errors
+    /// [`SpecError`] for a band that is not possible.
+    pub fn inputs(&self) -> Result<Inputs, SpecError> {
+        Ok(Inputs {
+            fault: self.fault_channels()?.swap_remove(0),
+            disturbances: self.disturbance_channels()?,
+            white_std: self.noise.white_std(),
+            smallest_fault: self.fault[0].smallest(),
+            bound: self.disturbance[0].bound(),
+            weights: self.evaluation.weights,
+        })
+    }
+
+    /// Theorem 4 with the given multipliers.
+    pub fn theorem(&self, inputs: &Inputs) -> Theorem4 {
+        Theorem4::new(
+            &self.model(),
+            &inputs.disturbances,
+            &inputs.fault,
+            inputs.weights,
+            &self.multipliers(),
+            self.design.decay,
+        )
     }
 
     /// The multipliers of Theorem 4.
@@ -765,7 +700,7 @@ impl Spec {
             alpha_d: self.design.alpha_d,
             alpha_f: self.design.alpha_f,
             v: match self.design.v {
-                MultiplierV::Name(VName::FTransposed) => self.f().transpose(),
+                MultiplierV::Name(VName::FTransposed) => self.f().columns(0, 1).transpose(),
                 MultiplierV::Given(v) => Matrix::from_row_slice(1, 3, &v),
             },
         }

@@ -118,9 +118,6 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, SpecError> {
 
 /// What may have been meant by an unknown key.
 fn hint(unknown: &str, known: &[&str]) -> String {
-    if unknown == "noise" {
-        return ": sensor noise is not part of method \"paper\"".into();
-    }
     let nearest = known
         .iter()
         .map(|name| (name, strsim::sorensen_dice(unknown, name)))

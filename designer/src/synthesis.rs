@@ -3,9 +3,10 @@
 use clarabel::solver::{SolverError, SolverStatus};
 use steerguard_detector::RULES;
 
+use crate::channel::Channel;
 use crate::gains::ObserverGains;
 use crate::lmi::{self, Affine, Matrix, Variables};
-use crate::theorem4::{Quantities, Theorem4, Units};
+use crate::theorem4::{Attenuation, Quantities, Theorem4, Units};
 
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which the blocks are of magnitude
 /// one: large against rounding, small against what it costs in beta and gamma.
@@ -37,8 +38,10 @@ impl Goal {
             Self::Stability => (None, None),
         };
         Units {
-            gamma: gamma.unwrap_or_else(|| theorem.d.norm()),
-            beta: beta.unwrap_or_else(|| theorem.f.norm()),
+            gamma: gamma.unwrap_or_else(|| {
+                theorem.disturbances.iter().map(Channel::norm).fold(0.0, f64::hypot)
+            }),
+            beta: beta.unwrap_or_else(|| theorem.fault.norm()),
         }
     }
 }
@@ -65,16 +68,25 @@ pub struct Synthesis {
 pub struct Lyapunov {
     /// P_s,i.
     pub p_s: [Matrix; RULES],
-    /// P_d,i.
-    pub p_d: [Matrix; RULES],
+    /// Of (31), by block of disturbances.
+    pub attenuation: Vec<AttenuationMatrices>,
     /// P_f,i.
     pub p_f: [Matrix; RULES],
-    /// Q_d.
-    pub q_d: Matrix,
     /// Q_f.
     pub q_f: Matrix,
     /// R.
     pub r: Matrix,
+}
+
+/// Matrices of (31) of a block of disturbances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AttenuationMatrices {
+    /// gamma of the block, physical.
+    pub gamma: f64,
+    /// P_d,i.
+    pub p: [Matrix; RULES],
+    /// Q_d.
+    pub q: Matrix,
 }
 
 /// Why Theorem 4 gave no gains.
@@ -99,61 +111,80 @@ pub fn solve(theorem: &Theorem4, goal: Goal) -> Result<Synthesis, NoSolution> {
     let units = goal.units(theorem);
     let theorem = theorem.in_units(units);
     let mut variables = Variables::default();
-    let gamma_squared = match goal {
-        Goal::LargestBeta { gamma: Some(_) } => Affine::number(1.0),
-        _ => variables.scalar(),
+    let blocks = theorem.disturbances.len();
+    let gamma_squared: Vec<Affine> = match goal {
+        // All of gamma for the one block there is.
+        Goal::LargestBeta { gamma: Some(_) } if blocks == 1 => vec![Affine::number(1.0)],
+        _ => (0..blocks).map(|_| variables.scalar()).collect(),
     };
     let beta_squared = match goal {
         Goal::SmallestGamma { beta: Some(_) } => Affine::number(1.0),
         _ => variables.scalar(),
     };
-    let unknowns = theorem.unknowns(gamma_squared, beta_squared, &mut variables);
-    let x = &unknowns.quantities;
+    let sum = |of: &[Affine]| of.iter().fold(Affine::number(0.0), |sum, x| sum + x);
+    let total = sum(&gamma_squared);
+    let x = &theorem.unknowns(gamma_squared, beta_squared, &mut variables);
 
     let mut inequalities = theorem.stability(x);
+    let mut further = Vec::new();
+    let mut attenuate = |inequalities: &mut Vec<Affine>| {
+        let [first, others] = theorem.disturbance_attenuation(x);
+        inequalities.extend(first);
+        further = others;
+    };
     let objective = match goal {
         Goal::Stability => Affine::number(0.0),
         Goal::LargestBeta { gamma } => {
             inequalities.extend(theorem.fault_sensitivity(x));
             if gamma.is_some() {
-                inequalities.extend(theorem.disturbance_attenuation(x));
+                attenuate(&mut inequalities);
+                if blocks > 1 {
+                    inequalities.push(Affine::number(1.0) - &total);
+                }
             }
             -&x.beta_squared
         }
         Goal::SmallestGamma { beta } => {
-            inequalities.extend(theorem.disturbance_attenuation(x));
+            attenuate(&mut inequalities);
             if beta.is_some() {
                 inequalities.extend(theorem.fault_sensitivity(x));
             }
-            x.gamma_squared.clone()
+            total.clone()
         }
     };
-    for inequality in &mut inequalities {
+    for inequality in inequalities.iter_mut().chain(&mut further) {
         let order = inequality.order();
         *inequality = &*inequality - &(Matrix::identity(order, order) * MARGIN).into();
     }
 
-    let solution = lmi::minimise(&variables, &objective, &inequalities)?;
+    let solution = 
+        lmi::minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
     if !solution.is_candidate() {
         return Err(NoSolution::Status(solution.status, solution.iterations));
     }
     let at = |expression: &Affine| expression.at(&solution.x);
-    let Quantities { p_s, p_d, p_f, q_d, q_f, r, beta_squared, gamma_squared, .. } = x;
+    let Quantities { p_s, attenuation, p_f, q_f, r, s, w, beta_squared, .. } = x;
     let r = at(r);
-    let s = at(&unknowns.s);
-    let w = unknowns.w.each_ref().map(at);
-    let gains = ObserverGains::table_2(&r, &s, &w, &theorem.a).ok_or(NoSolution::SingularR)?;
+    let w = w.each_ref().map(at);
+    let gains = ObserverGains::table_2(&r, &at(s), &w, &theorem.a).ok_or(NoSolution::SingularR)?;
+    let root = |squared: &Affine| at(squared)[0].max(0.0).sqrt();
     Ok(Synthesis {
         status: solution.status,
         iterations: solution.iterations,
-        beta: at(beta_squared)[0].sqrt() * units.beta,
-        gamma: at(gamma_squared)[0].sqrt() * units.gamma,
+        beta: root(beta_squared) * units.beta,
+        gamma: root(&total) * units.gamma,
         gains,
         lyapunov: Lyapunov {
             p_s: p_s.each_ref().map(at),
-            p_d: p_d.each_ref().map(at),
+            attenuation: attenuation
+                .iter()
+                .map(|Attenuation { gamma_squared, p, q }| AttenuationMatrices {
+                    gamma: root(gamma_squared) * units.gamma,
+                    p: p.each_ref().map(at),
+                    q: at(q),
+                })
+                .collect(),
             p_f: p_f.each_ref().map(at),
-            q_d: at(q_d),
             q_f: at(q_f),
             r,
         },

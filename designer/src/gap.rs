@@ -1,0 +1,494 @@
+//! Method "gap": gains with the largest detection ratio.
+//!
+//! First the multipliers (alpha_d, alpha_f, V) of Theorem 4 are searched, a synthesis for each: a grid
+//! over the magnitudes of alpha_d and V, then Nelder and Mead's simplex from its best points over
+//! all of them. Then the gains themselves, E and N_i, are refined from the best synthesis by a
+//! quasi-Newton method, under the decay rate asked for. The refined gains no longer satisfy (31)-(33)
+//! with known matrices; what they are worth is certified a posteriori.
+//!
+//! # Conventions
+//! - What is maximised is [`detection_ratio`] of the frozen error dynamics, beta, gamma and noise
+//!   each at its worst operating point: that of a threshold common to all. The search takes a
+//!   coarser grid of points and frequencies than the figures that are reported.
+//! - Everything is deterministic, whatever the number of processors.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
+use std::thread;
+
+use argmin::core::{CostFunction, Executor, Gradient};
+use argmin::solver::linesearch::MoreThuenteLineSearch;
+use argmin::solver::neldermead::NelderMead;
+use argmin::solver::quasinewton::LBFGS;
+use nalgebra::{Complex, Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+use steerguard_detector::{C, Gains, RULES, TsModel};
+
+use crate::band::Band;
+use crate::certified::decay_certificate;
+use crate::design::Step;
+use crate::frequency::{Inputs, detection_ratio, noise_rms};
+use crate::gains::ObserverGains;
+use crate::lmi::Matrix;
+use crate::operating_point::{FrozenError, OperatingPoint, extreme_gains};
+use crate::spec::Method;
+use crate::synthesis::{Goal, Synthesis, solve};
+use crate::theorem4::{Theorem4, matrix};
+
+/// Magnitudes of alpha_d on the grid.
+const ALPHA_D: [f64; 2] = [2.0, 0.05];
+/// Magnitudes of V on the grid, in units of the given one.
+const V: [f64; 3] = [1.0, 30.0, 1000.0];
+/// Size of the simplex: of alpha_d and V in natural logarithms, of alpha_f, and of V's direction.
+const SIMPLEX: f64 = 0.7;
+/// Exponents of the sums of powers that stand for minima and maxima, one refinement after the other.
+const EXPONENTS: [f64; 3] = [12.0, 30.0, 80.0];
+/// Quasi-Newton iterations of each.
+const ITERATIONS: u64 = 80;
+/// Pairs of steps that the quasi-Newton method remembers.
+const MEMORY: usize = 12;
+/// Relative step of the difference quotients.
+const DIFFERENCE: f64 = 1e-7;
+/// The frozen modes shall decay faster than asked for by this much: switching costs some of it. What
+/// is tried one after the other.
+const DECAY_RESERVE: [f64; 4] = [0.004, 0.015, 0.03, 0.06];
+/// Price of a mode that decays too slowly.
+const PENALTY: f64 = 1e3;
+/// Frequencies across a low band, and across others.
+const LOW_FREQUENCIES: u32 = 3;
+const OTHER_FREQUENCIES: u32 = 15;
+
+/// What the search found on its way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SearchRecord {
+    /// Syntheses that were made.
+    pub syntheses: usize,
+    /// Those that had a solution.
+    pub solved: usize,
+    /// Detection ratio of the best synthesis.
+    pub ratio_of_synthesis: f64,
+    /// Detection ratio of the refined gains.
+    pub ratio_refined: f64,
+}
+
+/// The gains found.
+pub struct Found {
+    /// Refined gains, or those of the synthesis where refinement gave none that provably decay.
+    pub gains: ObserverGains,
+    /// P_s,i that prove their decay.
+    pub p_s: [Matrix; RULES],
+    /// The best synthesis.
+    pub synthesis: Synthesis,
+    /// With the multipliers of that synthesis.
+    pub theorem: Theorem4,
+    /// The search.
+    pub record: SearchRecord,
+}
+
+/// Searches gains for `inputs`; `theorem` gives the multipliers that the grid is spread around. None
+/// where no synthesis has a solution.
+pub fn search(
+    theorem: &Theorem4,
+    model: &TsModel,
+    inputs: &Inputs,
+    method: &Method,
+    progress: &mut dyn FnMut(Step),
+) -> Option<Found> {
+    let objective = Objective::new(model, inputs);
+    let syntheses = Syntheses { theorem, objective: &objective, method };
+    let (candidates, made) = syntheses.search(progress);
+    let solved = candidates.len();
+    let best = candidates.into_iter().reduce(|best, x| if x.ratio > best.ratio { x } else { best })?;
+
+    progress(Step::Refine);
+    let refined = DECAY_RESERVE.iter().find_map(|reserve| {
+        let gains = objective.refine(&best.synthesis.gains, theorem, theorem.decay - reserve)?;
+        Some((gains, decay_certificate(theorem, &gains)?))
+    });
+    let ratio = |gains: &ObserverGains| objective.worst(&gains.gains).ratio(inputs);
+    let (gains, p_s) = refined
+        .filter(|(gains, _)| ratio(gains) > best.ratio)
+        .unwrap_or_else(|| (best.synthesis.gains, best.synthesis.lyapunov.p_s.clone()));
+    Some(Found {
+        record: SearchRecord {
+            syntheses: made,
+            solved,
+            ratio_of_synthesis: best.ratio,
+            ratio_refined: ratio(&gains),
+        },
+        gains,
+        p_s,
+        synthesis: best.synthesis,
+        theorem: best.theorem,
+    })
+}
+
+/// A synthesis and what its gains are worth.
+struct Candidate {
+    theorem: Theorem4,
+    synthesis: Synthesis,
+    ratio: f64,
+}
+
+/// The syntheses of a search.
+struct Syntheses<'a> {
+    theorem: &'a Theorem4,
+    objective: &'a Objective<'a>,
+    method: &'a Method,
+}
+
+/// Coordinates of the multipliers: logarithms of alpha_d and of V's magnitude in units of the given
+/// ones, alpha_f less the given one, and V's direction as three numbers around the given one.
+type Coordinates = Vec<f64>;
+
+impl Syntheses<'_> {
+    /// All syntheses that have a solution, and how many were made.
+    fn search(&self, progress: &mut dyn FnMut(Step)) -> (Vec<Candidate>, usize) {
+        let of = self.method.search_budget;
+        let grid: Vec<Coordinates> = ALPHA_D
+            .into_iter()
+            .flat_map(|alpha_d| V.map(|v| vec![f64::ln(alpha_d), f64::ln(v), 0.0, 0.0, 0.0, 0.0]))
+            .take(of)
+            .collect();
+        let mut done = 0;
+        let mut found: Vec<(Coordinates, Candidate)> = Vec::new();
+        progress(Step::Search { done, of });
+        in_parallel(
+            grid.len(),
+            |index| self.candidate(&grid[index]).map(|x| (grid[index].clone(), x)),
+            |candidates| {
+                done += 1;
+                progress(Step::Search { done, of });
+                found.extend(candidates);
+            },
+        );
+
+        // A simplex from each of the two best, with half of what is left of the budget.
+        found.sort_by(|a, b| b.1.ratio.total_cmp(&a.1.ratio));
+        let starts: Vec<Coordinates> = found.iter().take(2).map(|(x, _)| x.clone()).collect();
+        let mut candidates: Vec<Candidate> = found.into_iter().map(|(_, x)| x).collect();
+        let budget = (of - done) / starts.len().max(1);
+        if budget > 0 {
+            in_parallel(
+                starts.len(),
+                |index| self.simplex(&starts[index], budget),
+                |more| {
+                    done += budget;
+                    progress(Step::Search { done, of });
+                    candidates.extend(more);
+                },
+            );
+        }
+        (candidates, done)
+    }
+
+    /// Nelder and Mead's search from `start`: the candidates of at most `budget` syntheses.
+    fn simplex(&self, start: &Coordinates, budget: usize) -> Vec<Candidate> {
+        let tried = Tried { syntheses: self, budget, found: Mutex::default(), made: 0.into() };
+        let mut corners = vec![start.clone()];
+        for axis in 0..start.len() {
+            let mut corner = start.clone();
+            corner[axis] += SIMPLEX;
+            corners.push(corner);
+        }
+        let solver = NelderMead::new(corners);
+        // What comes out of it stands in `tried`.
+        let _ = Executor::new(&tried, solver)
+            .configure(|state| state.max_iters(budget as u64))
+            .run();
+        tried.found.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The synthesis with the multipliers `x`.
+    fn candidate(&self, x: &[f64]) -> Option<Candidate> {
+        let given = self.theorem;
+        let [ln_alpha_d, ln_v, alpha_f, turn @ ..] = x else { return None };
+        let size = given.v.norm();
+        let direction =
+            Matrix::from_fn(given.v.nrows(), 3, |row, k| given.v[(row, k)] / size + turn[k] * 0.3);
+        let theorem = Theorem4 {
+            alpha_d: ln_alpha_d.exp(),
+            alpha_f: given.alpha_f + alpha_f * 0.5,
+            v: &direction * (ln_v.exp() * size / direction.norm()),
+            ..given.clone()
+        };
+        let beta = self.method.beta_fraction * theorem.beta_bound();
+        let synthesis = solve(&theorem, Goal::SmallestGamma { beta: Some(beta) }).ok()?;
+        let ratio = self.objective.worst(&synthesis.gains.gains).ratio(self.objective.inputs);
+        ratio.is_finite().then_some(Candidate { theorem, synthesis, ratio })
+    }
+}
+
+/// The cost of multipliers, and a record of what was tried.
+struct Tried<'a> {
+    syntheses: &'a Syntheses<'a>,
+    budget: usize,
+    found: Mutex<Vec<Candidate>>,
+    made: AtomicUsize,
+}
+
+impl CostFunction for &Tried<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
+        /// Worse than any synthesis, and finite.
+        const NONE: f64 = 1e9;
+        // The start's synthesis is made again: the budget counts it.
+        if self.made.fetch_add(1, Ordering::Relaxed) >= self.budget {
+            return Ok(NONE);
+        }
+        let Some(candidate) = self.syntheses.candidate(x) else { return Ok(NONE) };
+        let cost = -candidate.ratio.ln();
+        self.found.lock().unwrap_or_else(PoisonError::into_inner).push(candidate);
+        Ok(cost)
+    }
+}
+
+/// Runs `work` for 0, 1, ... `count` on all processors; `collect` hears the results in that order.
+fn in_parallel<T: Send>(
+    count: usize,
+    work: impl Fn(usize) -> T + Sync,
+    mut collect: impl FnMut(T),
+) {
+    let next = AtomicUsize::new(0);
+    let workers = thread::available_parallelism().map_or(1, usize::from).min(count);
+    let (sender, results) = mpsc::channel();
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            let (next, sender, work) = (&next, sender.clone(), &work);
+            scope.spawn(move || {
+                while let index = next.fetch_add(1, Ordering::Relaxed)
+                    && index < count
+                {
+                    // The receiver outlives the workers.
+                    let _ = sender.send((index, work(index)));
+                }
+            });
+        }
+        drop(sender);
+        let mut results: Vec<(usize, T)> = results.iter().collect();
+        results.sort_by_key(|(index, _)| *index);
+        results.into_iter().for_each(|(_, result)| collect(result));
+    });
+}
+
+/// beta, gamma and noise, each at its worst operating point.
+#[derive(Clone, Copy, Debug)]
+struct Worst {
+    beta: f64,
+    gamma: f64,
+    noise_rms: f64,
+}
+
+impl Worst {
+    fn ratio(self, inputs: &Inputs) -> f64 {
+        detection_ratio(self.beta, self.gamma, self.noise_rms, inputs)
+    }
+}
+
+/// What the search maximises.
+struct Objective<'a> {
+    points: Vec<OperatingPoint>,
+    inputs: &'a Inputs,
+    fault_frequencies: Vec<f64>,
+    disturbance_frequencies: Vec<Vec<f64>>,
+}
+
+impl<'a> Objective<'a> {
+    fn new(model: &TsModel, inputs: &'a Inputs) -> Self {
+        let frequencies = |band: Band| match band {
+            Band::Low(_) => band.grid(LOW_FREQUENCIES).collect(),
+            _ => band.grid(OTHER_FREQUENCIES).collect(),
+        };
+        Self {
+            points: OperatingPoint::coarse_grid(model),
+            inputs,
+            fault_frequencies: frequencies(inputs.fault.band),
+            disturbance_frequencies: inputs
+                .disturbances
+                .iter()
+                .map(|channel| frequencies(channel.band))
+                .collect(),
+        }
+    }
+
+    /// beta, gamma squared and the noise's variance at a point. None where a frequency is an
+    /// eigenvalue.
+    fn at(&self, error: &FrozenError) -> Option<[f64; 3]> {
+        let output = error.output.map(Complex::from);
+        let columns = |channel| -> Vec<(Vector3<Complex<f64>>, Vector2<Complex<f64>>)> {
+            let columns = error.inputs(channel);
+            columns.map(|(b, d)| (b.map(Complex::from), d.map(Complex::from))).collect()
+        };
+        let extremes = |columns: &[_], w| {
+            let to_residual = output * error.resolvent(w)?;
+            Some(extreme_gains(columns.iter().map(|(b, d)| to_residual * b + d)))
+        };
+        let mut beta = f64::INFINITY;
+        let fault = columns(&self.inputs.fault);
+        for &w in &self.fault_frequencies {
+            beta = beta.min(extremes(&fault, w)?[1]);
+        }
+        let mut gamma_squared = 0.0;
+        for (channel, frequencies) in
+            self.inputs.disturbances.iter().zip(&self.disturbance_frequencies)
+        {
+            let columns = columns(channel);
+            let mut gamma = 0.0_f64;
+            for &w in frequencies {
+                gamma = gamma.max(extremes(&columns, w)?[0]);
+            }
+            gamma_squared += gamma * gamma;
+        }
+        Some([beta, gamma_squared, noise_rms(error, self.inputs.white_std).powi(2)])
+    }
+
+    /// The worst figures of `gains`.
+    fn worst(&self, gains: &Gains) -> Worst {
+        let none = Worst { beta: 0.0, gamma: f64::INFINITY, noise_rms: f64::INFINITY };
+        let mut worst = Worst { beta: f64::INFINITY, gamma: 0.0, noise_rms: 0.0 };
+        for point in &self.points {
+            let error = FrozenError::new(point, gains, self.inputs.weights);
+            let Some([beta, gamma_squared, variance]) = self.at(&error) else { return none };
+            worst.beta = worst.beta.min(beta);
+            worst.gamma = worst.gamma.max(gamma_squared.sqrt());
+            worst.noise_rms = worst.noise_rms.max(variance.sqrt());
+        }
+        worst
+    }
+
+    /// A smooth cost near `-ln` of the detection ratio: sums of powers in place of extremes, and a
+    /// price on modes slower than `slowest`.
+    fn cost(&self, gains: &Gains, exponent: f64, slowest: f64) -> f64 {
+        let (mut ln_beta, mut ln_gamma, mut ln_noise) = (vec![], vec![], vec![]);
+        let mut penalty = 0.0;
+        for point in &self.points {
+            let error = FrozenError::new(point, gains, self.inputs.weights);
+            let radius =
+                error.n.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+            penalty += PENALTY * (radius - slowest).max(0.0).powi(2);
+            let Some([beta, gamma_squared, variance]) = self.at(&error) else {
+                return f64::INFINITY;
+            };
+            ln_beta.push(beta.ln());
+            ln_gamma.push(gamma_squared.ln());
+            ln_noise.push(variance.ln());
+        }
+        let smallest = -soft_maximum(ln_beta.iter().map(|x| -x), exponent);
+        let largest = |x: &[f64]| soft_maximum(x.iter().copied(), exponent / 2.0).exp();
+        let bound = self.inputs.bound;
+        let background = largest(&ln_gamma) * bound * bound + largest(&ln_noise);
+        let ratio = smallest + self.inputs.smallest_fault.ln() - background.ln() / 2.0;
+        penalty - ratio
+    }
+
+    /// Gains near `start` with the smallest cost found.
+    fn refine(
+        &self,
+        start: &ObserverGains,
+        theorem: &Theorem4,
+        slowest: f64,
+    ) -> Option<ObserverGains> {
+        let mut best = coordinates(&start.gains);
+        for exponent in EXPONENTS {
+            let refinement = Refinement {
+                objective: self,
+                theorem,
+                exponent,
+                slowest,
+                best: Mutex::new((f64::INFINITY, best.clone())),
+            };
+            let line_search = MoreThuenteLineSearch::new();
+            // What comes out of it, whatever the reason to end, stands in `refinement`.
+            let _ = Executor::new(&refinement, LBFGS::new(line_search, MEMORY))
+                .configure(|state| state.param(best.clone()).max_iters(ITERATIONS))
+                .run();
+            best = refinement.best.into_inner().unwrap_or_else(PoisonError::into_inner).1;
+        }
+        Some(gains_at(&best, theorem))
+    }
+}
+
+/// `ln (sum exp(k x))^(1/k)`, near the largest x.
+fn soft_maximum(x: impl Iterator<Item = f64> + Clone, k: f64) -> f64 {
+    let largest = x.clone().fold(f64::NEG_INFINITY, f64::max);
+    if !largest.is_finite() {
+        return largest;
+    }
+    largest + x.map(|x| (k * (x - largest)).exp()).sum::<f64>().ln() / k
+}
+
+/// Coordinates of gains: E, then the first and third column of each N_i; the second is that of M A_i.
+fn coordinates(gains: &Gains) -> Vec<f64> {
+    let e = gains.e.iter().flatten().copied();
+    let n = gains.n.iter().flat_map(|n| n.iter().flat_map(|row| [row[0], row[2]]));
+    e.chain(n).collect()
+}
+
+/// The gains with the given coordinates.
+fn gains_at(x: &[f64], theorem: &Theorem4) -> ObserverGains {
+    let (of_e, of_n) = x.split_at(6);
+    let e = Matrix::from_row_slice(3, 2, of_e);
+    let c = matrix(&C);
+    let m = Matrix::identity(3, 3) + &e * &c; // (11)
+    let h: [Matrix; RULES] = std::array::from_fn(|i| {
+        let of_rule = Matrix::from_row_slice(3, 2, &of_n[6 * i..6 * i + 6]);
+        (&m * &theorem.a[i]) * c.transpose() - of_rule // (35)
+    });
+    ObserverGains::new(&e, &h, &theorem.a)
+}
+
+/// The cost of gains for the quasi-Newton method, and the best seen.
+struct Refinement<'a> {
+    objective: &'a Objective<'a>,
+    theorem: &'a Theorem4,
+    exponent: f64,
+    slowest: f64,
+    best: Mutex<(f64, Vec<f64>)>,
+}
+
+impl Refinement<'_> {
+    fn cost_at(&self, x: &[f64]) -> f64 {
+        let gains = gains_at(x, self.theorem).gains;
+        self.objective.cost(&gains, self.exponent, self.slowest)
+    }
+}
+
+impl CostFunction for &Refinement<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
+        let cost = self.cost_at(x);
+        let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
+        if cost < best.0 {
+            *best = (cost, x.clone());
+        }
+        Ok(cost)
+    }
+}
+
+impl Gradient for &Refinement<'_> {
+    type Param = Vec<f64>;
+    type Gradient = Vec<f64>;
+
+    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, argmin::core::Error> {
+        let mut gradient = Vec::with_capacity(x.len());
+        in_parallel(
+            x.len(),
+            |index| {
+                let step = DIFFERENCE * x[index].abs().max(1e-2);
+                let at = |shift: f64| {
+                    let mut x = x.clone();
+                    x[index] += shift;
+                    self.cost_at(&x)
+                };
+                (at(step) - at(-step)) / (2.0 * step)
+            },
+            |slope| gradient.push(slope),
+        );
+        Ok(gradient)
+    }
+}
