@@ -202,3 +202,110 @@ impl Drive {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::campaign::settings::Uncertainty;
+    use crate::campaign::settings::tests::{PAPER, SETTINGS};
+
+    fn draw(settings: &Settings, index: u64) -> Drive {
+        Drive::draw(settings, &PAPER, index)
+    }
+
+    proptest! {
+        #[test]
+        fn drives_stay_within_the_settings(seed: u64, index in 0..1_u64 << 60) {
+            let drive = draw(&Settings { seed, ..SETTINGS }, index);
+            let within = |value: f64, [min, max]: [f64; 2]| (min..=max).contains(&value);
+            let optional = |value: Option<f64>, range| value.is_none_or(|x| within(x, range));
+            let near = |value: f64, nominal: f64| within(value / nominal, [0.9 - 1e-9, 1.1 + 1e-9]);
+            let vehicle = &PAPER.vehicle;
+            let lateral = drive.lateral_acceleration_m_per_s2.abs();
+            prop_assert!(PAPER.armed_v_x.contains(drive.speed_m_per_s));
+            prop_assert!(within(lateral, [0.6 - 1e-12, 3.0]));
+            prop_assert!(optional(drive.lowest_speed_m_per_s, [0.0, 5.5]));
+            prop_assert!(within(drive.bank_deg, [-3.0, 3.0]));
+            prop_assert!(within(drive.gust_m_per_s, [-10.0, 10.0]));
+            prop_assert!(within(drive.v_x_bias_m_per_s, [-0.01, 0.01]));
+            prop_assert!(within(drive.r_bias_rad_per_s, [-0.001, 0.001]));
+            prop_assert!(near(drive.mass_kg, vehicle.mass_kg));
+            prop_assert!(near(drive.yaw_inertia_kg_m2, vehicle.yaw_inertia_kg_m2));
+            prop_assert!(near(
+                drive.front_cornering_stiffness_n_per_rad,
+                vehicle.front_cornering_stiffness_n_per_rad
+            ));
+            prop_assert!(near(
+                drive.rear_cornering_stiffness_n_per_rad,
+                vehicle.rear_cornering_stiffness_n_per_rad
+            ));
+            prop_assert!(optional(drive.friction, FRICTION));
+            prop_assert!(optional(drive.onset_s, [6.0 - 1e-9, 42.0]));
+            prop_assert!(optional(drive.fault_deg.map(f64::abs), SETTINGS.fault_deg));
+        }
+
+        #[test]
+        fn each_kind_of_fault_has_its_own_figures(index: u64) {
+            use FaultKind::{Bias, Delay, Drift, LossOfEffectiveness, Oscillation};
+            let drive = draw(&SETTINGS, index);
+            let kind = drive.fault;
+            prop_assert_eq!(drive.onset_s.is_some(), kind != FaultKind::None);
+            prop_assert_eq!(
+                drive.fault_deg.is_some(),
+                [Bias, Drift, Oscillation].contains(&kind)
+            );
+            prop_assert_eq!(drive.fault_rise_s.is_some(), kind == Drift);
+            prop_assert_eq!(drive.fault_hz.is_some(), kind == Oscillation);
+            prop_assert_eq!(drive.fault_loss.is_some(), kind == LossOfEffectiveness);
+            prop_assert_eq!(drive.fault_delay_s.is_some(), kind == Delay);
+        }
+
+        /// What is not asked about stays: campaigns that differ in one thing compare drive by drive.
+        #[test]
+        fn settings_change_what_they_name_and_nothing_else(index: u64) {
+            let drive = draw(&SETTINGS, index);
+            prop_assert_eq!(&draw(&SETTINGS, index), &drive);
+            let nominal =
+                draw(&Settings { uncertainty: Uncertainty::NOMINAL, ..SETTINGS }, index);
+            prop_assert_eq!(&nominal, &Drive {
+                bank_deg: 0.0,
+                gust_m_per_s: 0.0,
+                mass_kg: PAPER.vehicle.mass_kg,
+                yaw_inertia_kg_m2: PAPER.vehicle.yaw_inertia_kg_m2,
+                front_cornering_stiffness_n_per_rad:
+                    PAPER.vehicle.front_cornering_stiffness_n_per_rad,
+                rear_cornering_stiffness_n_per_rad:
+                    PAPER.vehicle.rear_cornering_stiffness_n_per_rad,
+                friction: None,
+                ..drive.clone()
+            });
+            let healthy = draw(&Settings { faults: FaultMix::None, ..SETTINGS }, index);
+            prop_assert_eq!(&healthy, &Drive {
+                fault: FaultKind::None,
+                onset_s: None,
+                fault_deg: None,
+                fault_rise_s: None,
+                fault_hz: None,
+                fault_loss: None,
+                fault_delay_s: None,
+                ..drive
+            });
+        }
+    }
+
+    #[test]
+    fn manoeuvres_and_faults_are_equally_likely() {
+        let drives: Vec<_> = (0..7000).map(|index| draw(&SETTINGS, index)).collect();
+        let near = |count: usize| assert!(count.abs_diff(1000) < 150, "{count} of 7000");
+        for manoeuvre in Manoeuvre::ALL {
+            near(drives.iter().filter(|drive| drive.manoeuvre == *manoeuvre).count());
+        }
+        for kind in FaultKind::ALL {
+            near(drives.iter().filter(|drive| drive.fault == *kind).count());
+        }
+        let saturated = drives.iter().filter(|drive| drive.friction.is_some()).count();
+        assert!(saturated.abs_diff(3500) < 250, "{saturated} of 7000");
+    }
+}

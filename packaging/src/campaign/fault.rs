@@ -30,13 +30,6 @@ named! {
     }
 }
 
-impl FaultKind {
-    /// Kinds whose effect depends on the command: without steering they cannot be told from none.
-    pub const fn depends_on_command(self) -> bool {
-        matches!(self, Self::Stuck | Self::LossOfEffectiveness | Self::Delay)
-    }
-}
-
 /// Angle in rad that the fault of `drive` adds at time `t` under the command `steering`.
 pub fn angle_rad(drive: &Drive, t: f64, steering: impl Fn(f64) -> f64) -> f64 {
     let Some(onset_s) = drive.onset_s else { return 0.0 };
@@ -57,6 +50,55 @@ pub fn angle_rad(drive: &Drive, t: f64, steering: impl Fn(f64) -> f64) -> f64 {
         FaultKind::Delay => {
             let delayed_s = (t - drive.fault_delay_s.unwrap_or(0.0)).max(onset_s);
             steering(delayed_s) - steering(t)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::settings::tests::{PAPER, SETTINGS};
+
+    /// A drive with a fault of `kind` from 10 s on, of 1 degree, 2 s, 0.5 Hz, half the command, 0.1 s.
+    fn drive(kind: FaultKind) -> Drive {
+        Drive {
+            fault: kind,
+            onset_s: Some(10.0),
+            fault_deg: Some(1.0),
+            fault_rise_s: Some(2.0),
+            fault_hz: Some(0.5),
+            fault_loss: Some(0.5),
+            fault_delay_s: Some(0.1),
+            ..Drive::draw(&SETTINGS, &PAPER, 0)
+        }
+    }
+
+    #[test]
+    fn faults_are_what_their_names_say() {
+        let steering = |t: f64| 0.01 * t;
+        let one = 1_f64.to_radians();
+        for (kind, [at_onset, after_1_s, after_20_s]) in [
+            (FaultKind::Bias, [one, one, one]),
+            (FaultKind::Drift, [0.0, 0.5 * one, one]),
+            (FaultKind::Stuck, [0.0, -0.01, -0.2]),
+            (FaultKind::LossOfEffectiveness, [-0.05, -0.055, -0.15]),
+            (FaultKind::Oscillation, [0.0, 0.0, 0.0]),
+            (FaultKind::Delay, [0.0, -0.001, -0.001]),
+        ] {
+            let at = |t| angle_rad(&drive(kind), t, steering);
+            assert_eq!(at(9.99), 0.0);
+            for (t, expected) in [(10.0, at_onset), (11.0, after_1_s), (30.0, after_20_s)] {
+                assert!((at(t) - expected).abs() < 1e-12, "{kind:?} at {t} s: {}", at(t));
+            }
+        }
+        let peak = angle_rad(&drive(FaultKind::Oscillation), 10.5, steering);
+        assert!((peak - one).abs() < 1e-12);
+    }
+
+    #[test]
+    fn faults_of_the_command_do_nothing_on_a_straight_road() {
+        for kind in [FaultKind::Stuck, FaultKind::LossOfEffectiveness, FaultKind::Delay] {
+            assert!((0..100).all(|t| angle_rad(&drive(kind), f64::from(t), |_| 0.0) == 0.0));
         }
     }
 }

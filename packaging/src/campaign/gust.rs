@@ -37,3 +37,28 @@ pub fn side_force_and_yaw_moment(drive: &Drive, t: f64, v_x: f64) -> [f64; 2] {
     let force = pressure * wind * libm::sqrt(v_x * v_x + wind * wind);
     [force, force * ACTING_AHEAD_M]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::settings::tests::{PAPER, SETTINGS};
+
+    #[test]
+    fn gusts_rise_and_fall_once_in_their_length() {
+        let drive = Drive {
+            gust_m_per_s: 10.0,
+            gust_start_s: 2.0,
+            gust_duration_s: 1.0,
+            gust_pause_s: 3.0,
+            ..Drive::draw(&SETTINGS, &PAPER, 0)
+        };
+        for (t, expected) in
+            [(1.0, 0.0), (2.0, 0.0), (2.25, 5.0), (2.5, 10.0), (3.0, 0.0), (5.0, 0.0), (6.5, 10.0)]
+        {
+            assert!((wind_m_per_s(&drive, t) - expected).abs() < 1e-12, "at {t} s");
+        }
+        // 1.2/2 x 2.2 x 2 x 10 x sqrt(30^2 + 10^2), 0.25 m ahead.
+        let [force, moment] = side_force_and_yaw_moment(&drive, 2.5, 30.0);
+        assert!((force - 834.8).abs() < 0.1 && (moment - 0.25 * force).abs() < 1e-12);
+    }
+}

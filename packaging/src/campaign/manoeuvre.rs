@@ -17,8 +17,9 @@ use super::settings::Subject;
 
 /// Lateral offset of the double lane change (ISO 3888-1), m.
 const LANE_OFFSET_M: f64 = 3.5;
-/// Lengths of its sections: first change, offset lane, second change, m.
-const LANE_SECTIONS_M: [f64; 3] = [30.0, 25.0, 25.0];
+/// Lengths of its lane changes, and of the offset lane between them, m.
+const LANE_CHANGES_M: [f64; 2] = [30.0, 25.0];
+const OFFSET_LANE_M: f64 = 25.0;
 /// Frequency of the weave test (ISO 13674-1), Hz.
 const WEAVE_HZ: f64 = 0.2;
 /// Frequency of the sine with dwell (ISO 19365), Hz, and its dwell, s.
@@ -66,11 +67,41 @@ pub struct Course {
     /// Length of a run, and from one run to the next, s.
     run_s: f64,
     cycle_s: f64,
-    /// Largest road-wheel angle, signed for the first run, rad, and rate, rad/s.
+    /// 1 if the first run is to the left, otherwise -1.
+    side: f64,
+    /// Largest road-wheel angle, rad, and rate, rad/s.
     amplitude_rad: f64,
     rate_rad_per_s: f64,
-    /// Ends of the three sections of the double lane change since its begin, s.
-    sections_s: [f64; 3],
+    lane_changes: [LaneChange; 2],
+}
+
+/// A change of lanes, within a run of the double lane change.
+#[derive(Clone, Copy, Debug, Default)]
+struct LaneChange {
+    begin_s: f64,
+    duration_s: f64,
+    amplitude_rad: f64,
+}
+
+/// The two changes at speed `v`, as fast as track and lateral acceleration `a_y` allow.
+fn lane_changes(subject: &Subject, v: f64, a_y: f64) -> [LaneChange; 2] {
+    // One period T of a_y sin(2 pi t / T) moves the vehicle aside by a_y T^2 / (2 pi).
+    let fastest_s = libm::sqrt(TAU * LANE_OFFSET_M / a_y);
+    let mut begin_s = 0.0;
+    LANE_CHANGES_M.map(|length_m| {
+        let duration_s = fastest_s.max(length_m / v);
+        let a_y = TAU * LANE_OFFSET_M / (duration_s * duration_s);
+        let amplitude_rad = limited(subject, v, a_y, TAU / duration_s);
+        let change = LaneChange { begin_s, duration_s, amplitude_rad };
+        begin_s += duration_s + OFFSET_LANE_M / v;
+        change
+    })
+}
+
+/// Amplitude of a sine of angular frequency `rad_per_s` for lateral acceleration `a_y` at speed `v`
+/// that is nowhere faster than the design's fastest steering, rad.
+fn limited(subject: &Subject, v: f64, a_y: f64, rad_per_s: f64) -> f64 {
+    steady_angle(&subject.vehicle, v, a_y).min(subject.steering_rate_rad_per_s / rad_per_s)
 }
 
 impl Course {
@@ -78,35 +109,32 @@ impl Course {
     pub fn of(drive: &Drive, subject: &Subject) -> Self {
         let v = drive.speed_m_per_s;
         let lateral = drive.lateral_acceleration_m_per_s2;
-        let magnitude = lateral.abs();
-        // One period of sin in the acceleration moves the vehicle by a_y T^2 / (2 pi).
-        let shortest_s = libm::sqrt(TAU * LANE_OFFSET_M / magnitude);
-        let [first, hold, second] = LANE_SECTIONS_M.map(|length_m| length_m / v);
-        let (first, second) = (first.max(shortest_s), second.max(shortest_s));
-        let sections_s = [first, first + hold, first + hold + second];
-
-        let rate = subject.steering_rate_rad_per_s;
         let acceleration = drive.longitudinal_acceleration_m_per_s2.unwrap_or(1.0);
         let lowest = drive.lowest_speed_m_per_s.unwrap_or(v);
-        let (run_s, fastest_rad_per_s) = match drive.manoeuvre {
-            Manoeuvre::DoubleLaneChange => (sections_s[2], TAU / second.min(first)),
-            Manoeuvre::Weave => (f64::INFINITY, TAU * WEAVE_HZ),
-            Manoeuvre::StepSteer => (STEP_HOLD_S, 0.0),
+        let side = if lateral < 0.0 { -1.0 } else { 1.0 };
+        let lane_changes = lane_changes(subject, v, lateral.abs());
+        let sine = |hz: f64| limited(subject, v, lateral.abs(), TAU * hz);
+        let held = steady_angle(&subject.vehicle, v, lateral.abs());
+        let (run_s, amplitude_rad) = match drive.manoeuvre {
+            Manoeuvre::DoubleLaneChange => {
+                let [_, second] = lane_changes;
+                (second.begin_s + second.duration_s, second.amplitude_rad)
+            }
+            Manoeuvre::Weave => (f64::INFINITY, sine(WEAVE_HZ)),
+            Manoeuvre::StepSteer => (STEP_HOLD_S, held),
             Manoeuvre::SineWithDwell => {
-                (1.0 / SINE_WITH_DWELL_HZ + DWELL_S, TAU * SINE_WITH_DWELL_HZ)
+                (1.0 / SINE_WITH_DWELL_HZ + DWELL_S, sine(SINE_WITH_DWELL_HZ))
             }
             Manoeuvre::Straight => (f64::INFINITY, 0.0),
             Manoeuvre::Roundabout => {
                 let around_s = 1.5 * PI * drive.radius_m.unwrap_or(1.0) / v;
-                (around_s + 2.0 * ROUNDABOUT_ENTRY_S, 0.0)
+                (around_s + 2.0 * ROUNDABOUT_ENTRY_S, held)
             }
             Manoeuvre::StopAndGo => {
-                (2.0 * (v - lowest) / acceleration + STANDSTILL_S, TAU * GENTLE_STEERING_HZ)
+                let braking_s = (v - lowest) / acceleration;
+                (2.0 * braking_s + STANDSTILL_S, sine(GENTLE_STEERING_HZ))
             }
         };
-        let full = steady_angle(&subject.vehicle, v, magnitude);
-        let amplitude =
-            if fastest_rad_per_s > 0.0 { full.min(rate / fastest_rad_per_s) } else { full };
         Self {
             manoeuvre: drive.manoeuvre,
             vehicle: subject.vehicle,
@@ -116,9 +144,10 @@ impl Course {
             start_s: drive.manoeuvre_start_s,
             run_s,
             cycle_s: run_s + drive.pause_s,
-            amplitude_rad: if lateral < 0.0 { -amplitude } else { amplitude },
-            rate_rad_per_s: rate,
-            sections_s,
+            side,
+            amplitude_rad,
+            rate_rad_per_s: subject.steering_rate_rad_per_s,
+            lane_changes,
         }
     }
 
@@ -128,12 +157,14 @@ impl Course {
         match self.manoeuvre {
             _ if since_s <= 0.0 => 0.0,
             Manoeuvre::Straight => 0.0,
-            Manoeuvre::Weave => self.amplitude_rad * sine(WEAVE_HZ * since_s),
-            Manoeuvre::StopAndGo => self.amplitude_rad * sine(GENTLE_STEERING_HZ * since_s),
+            Manoeuvre::Weave => self.side * self.amplitude_rad * sine(WEAVE_HZ * since_s),
+            Manoeuvre::StopAndGo => {
+                self.side * self.amplitude_rad * sine(GENTLE_STEERING_HZ * since_s)
+            }
             _ => {
                 let run = libm::floor(since_s / self.cycle_s);
-                let side = if libm::fmod(run, 2.0) == 0.0 { 1.0 } else { -1.0 };
-                side * self.run_rad(since_s - run * self.cycle_s)
+                let alternation = if libm::fmod(run, 2.0) == 0.0 { 1.0 } else { -1.0 };
+                alternation * self.side * self.run_rad(since_s - run * self.cycle_s)
             }
         }
     }
@@ -143,14 +174,12 @@ impl Course {
         let amplitude = self.amplitude_rad;
         match self.manoeuvre {
             Manoeuvre::DoubleLaneChange => {
-                let [first, hold, second] = self.sections_s;
-                if t < first {
-                    amplitude * sine(t / first)
-                } else if hold <= t && t < second {
-                    -amplitude * sine((t - hold) / (second - hold))
-                } else {
-                    0.0
-                }
+                let [there, back] = self.lane_changes.map(|change| {
+                    let turns = (t - change.begin_s) / change.duration_s;
+                    let drives = (0.0..1.0).contains(&turns);
+                    if drives { change.amplitude_rad * sine(turns) } else { 0.0 }
+                });
+                there - back
             }
             Manoeuvre::SineWithDwell => {
                 let period_s = 1.0 / SINE_WITH_DWELL_HZ;
@@ -217,4 +246,99 @@ pub fn steady_angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
         (vehicle.front_cornering_stiffness_n_per_rad, vehicle.rear_cornering_stiffness_n_per_rad);
     let gradient = vehicle.mass_kg * (c_r * l_r - c_f * l_f) / (2.0 * c_f * c_r * (l_f + l_r));
     (a_y * ((l_f + l_r) / (v_x * v_x) + gradient)).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::campaign::settings::tests::{PAPER, SETTINGS};
+
+    /// Drive number `index` with the given manoeuvre, and its course.
+    fn course(manoeuvre: Manoeuvre, index: u64) -> (Drive, Course) {
+        let drive = (index..)
+            .map(|index| Drive::draw(&SETTINGS, &PAPER, index))
+            .find(|drive| drive.manoeuvre == manoeuvre)
+            .unwrap();
+        let course = Course::of(&drive, &PAPER);
+        (drive, course)
+    }
+
+    proptest! {
+        #[test]
+        fn courses_are_continuous_and_within_the_limits(index in 0..u64::MAX / 2) {
+            let drive = Drive::draw(&SETTINGS, &PAPER, index);
+            let course = Course::of(&drive, &PAPER);
+            let largest = steady_angle(
+                &PAPER.vehicle,
+                drive.speed_m_per_s,
+                drive.lateral_acceleration_m_per_s2,
+            );
+            let slope = drive.longitudinal_acceleration_m_per_s2.unwrap_or(0.0);
+            let lowest = drive.lowest_speed_m_per_s.unwrap_or(drive.speed_m_per_s);
+            let h = 0.01;
+            for k in 0..6000 {
+                let t = f64::from(k) * h;
+                let delta = course.steering_rad(t);
+                let rate = (course.steering_rad(t + h) - delta) / h;
+                prop_assert!(delta.abs() <= largest + 1e-12, "{delta} rad at {t} s");
+                prop_assert!(rate.abs() <= PAPER.steering_rate_rad_per_s + 1e-9, "{rate} at {t}");
+                let (speed, _) = course.speed(t);
+                let acceleration = (course.speed(t + h).0 - speed) / h;
+                prop_assert!((lowest..=drive.speed_m_per_s).contains(&speed));
+                prop_assert!(acceleration.abs() <= slope + 1e-9, "{acceleration} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_lane_change_moves_the_vehicle_by_the_offset_of_the_standard() {
+        for index in 0..20 {
+            let (drive, course) = course(Manoeuvre::DoubleLaneChange, index);
+            let v = drive.speed_m_per_s;
+            let per_angle = 1.0 / steady_angle(&PAPER.vehicle, v, 1.0);
+            let h = 1e-3;
+            let end_s = course.lane_changes[1].begin_s;
+            let (mut offset, mut speed) = (0.0, 0.0);
+            for k in 0..(end_s / h) as u32 {
+                let a_y = per_angle * course.steering_rad(course.start_s + f64::from(k) * h);
+                speed += h * a_y;
+                offset += h * speed;
+            }
+            assert!((offset.abs() - LANE_OFFSET_M).abs() < 0.01, "{offset} m at {v} m/s");
+        }
+    }
+
+    #[test]
+    fn runs_alternate_sides() {
+        let (_, course) = course(Manoeuvre::StepSteer, 0);
+        let held = |run: f64| {
+            course.steering_rad(course.start_s + run * course.cycle_s + 0.5 * STEP_HOLD_S)
+        };
+        assert!(held(0.0).abs() > 0.0);
+        assert_eq!(held(0.0), -held(1.0));
+        assert_eq!(held(0.0), held(2.0));
+    }
+
+    #[test]
+    fn stop_and_go_reaches_its_lowest_speed_and_comes_back() {
+        let (drive, course) = course(Manoeuvre::StopAndGo, 0);
+        let at = |run_s| course.speed(course.start_s + run_s).0;
+        assert_eq!(Some(at(0.5 * course.run_s)), drive.lowest_speed_m_per_s);
+        assert!(at(0.5 * course.run_s) < PAPER.armed_v_x.min);
+        assert_eq!(at(course.run_s), drive.speed_m_per_s);
+    }
+
+    #[test]
+    fn dwells_at_the_second_peak() {
+        let (_, course) = course(Manoeuvre::SineWithDwell, 0);
+        let at = |t: f64| course.run_rad(t) / course.amplitude_rad;
+        let peak_s = 0.75 / SINE_WITH_DWELL_HZ;
+        assert!((at(peak_s / 3.0) - 1.0).abs() < 1e-12);
+        for dwell_s in [0.0, 0.25, 0.5] {
+            assert!((at(peak_s + dwell_s) + 1.0).abs() < 1e-12);
+        }
+        assert_eq!(at(course.run_s + 1e-9), 0.0);
+    }
 }

@@ -6,9 +6,10 @@
 //! - Detections are counted among exposed faults, see [`super::outcome`]. The size of any fault is the
 //!   largest angle that it added while the detector monitored, so that kinds compare.
 //! - Delays count from exposure, and a missed fault has an endless one.
-//! - A *surely detected* size s: of the faults of size s or more at least 99 % are detected, at 95 %
-//!   confidence. Sizes are tested from the largest down, where there are faults enough, until one
-//!   fails: a fixed sequence, so that the confidence holds for all of them at once.
+//! - A size s is *surely detected* if of the faults next above it, at least 299 and a quarter of all of
+//!   their group, 99 % are detected at 95 % confidence. (With 299 none may be missed.) Sizes are tested
+//!   from the largest down until one fails: a fixed sequence, so that the confidence holds for all at
+//!   once.
 
 use serde::Serialize;
 use steerguard_detector::Interval;
@@ -24,10 +25,8 @@ use crate::table::aligned;
 
 /// Share of the faults that has to be detected.
 const SURE: f64 = 0.99;
-/// Sizes that are tested, a multiple of this each, deg.
-const SIZE_STEP_DEG: f64 = 0.05;
-/// Number of sizes that are tested.
-const SIZES: u32 = 400;
+/// Fewest faults that can show it: 0.99^299 < 0.05.
+const FEWEST: usize = 299;
 /// Ends of the size classes, deg.
 const SIZE_CLASSES_DEG: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0];
 /// Number of speed bands.
@@ -96,7 +95,7 @@ pub struct Detections {
     pub delay_median_s: Option<f64>,
     /// 95th percentile of the delay.
     pub delay_95_s: Option<f64>,
-    /// Smallest size surely detected.
+    /// Smallest size surely detected; of no use among faults of one size class.
     pub surely_detected_deg: Option<f64>,
 }
 
@@ -175,7 +174,12 @@ impl Report {
         }
         if !self.detections_by_size.is_empty() {
             text += "\nDetections by largest angle that the fault added\n";
-            text += &table(DETECTIONS_HEAD, self.detections_by_size.iter().map(Detections::cells));
+            let but_last = |detections: &Detections| {
+                let [cells @ .., _] = detections.cells();
+                cells
+            };
+            let [head @ .., _] = DETECTIONS_HEAD;
+            text += &table(head, self.detections_by_size.iter().map(but_last));
         }
         text
     }
@@ -256,7 +260,7 @@ impl Detections {
             probability: probability(detected, exposed.len() as u64),
             delay_median_s: quantile(&mut delays, 0.5),
             delay_95_s: quantile(&mut delays, 0.95),
-            surely_detected_deg: surely_detected(&sizes),
+            surely_detected_deg: surely_detected(sizes),
         }
     }
 
@@ -276,23 +280,30 @@ impl Detections {
 }
 
 /// The smallest size surely detected among faults (size in deg, detected).
-fn surely_detected(faults: &[(f64, bool)]) -> Option<f64> {
-    let mut smallest = None;
-    for step in (1..=SIZES).rev() {
-        let size = f64::from(step) * SIZE_STEP_DEG;
-        let larger = faults.iter().filter(|(other, _)| *other >= size);
-        let (detected, number) = larger.fold((0, 0), |(detected, number), (_, is_detected)| {
-            (detected + u64::from(*is_detected), number + 1)
-        });
-        if probability_at_least(number, number) < SURE {
-            continue; // too few to tell, whatever became of them
-        }
-        if probability_at_least(detected, number) < SURE {
-            break;
-        }
-        smallest = Some(size);
-    }
-    smallest
+fn surely_detected(mut faults: Vec<(f64, bool)>) -> Option<f64> {
+    faults.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let together = FEWEST.max(faults.len() / 4);
+    let missed_at_most = (1..=together)
+        .take_while(|missed| is_sure((together - missed) as u64, together as u64))
+        .count();
+    // Number of missed faults before each one, and in all.
+    let missed: Vec<usize> = std::iter::once(0)
+        .chain(faults.iter().scan(0, |missed, (_, detected)| {
+            *missed += usize::from(!detected);
+            Some(*missed)
+        }))
+        .collect();
+    let windows = faults.iter().zip(missed.iter().zip(missed.iter().skip(together)));
+    windows
+        .rev()
+        .take_while(|(_, (before, after))| *after - *before <= missed_at_most)
+        .last()
+        .map(|((size, _), _)| *size)
+}
+
+/// Whether `detected` of `faults` show a probability of [`SURE`] at [`CONFIDENCE`].
+fn is_sure(detected: u64, faults: u64) -> bool {
+    probability_at_least(detected, faults) >= SURE
 }
 
 /// A class `[from, to)` of a quantity.
@@ -358,18 +369,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sure_sizes_need_299_faults_and_end_at_the_first_failure() {
+    fn sure_sizes_lie_above_the_largest_miss() {
         let faults = |missed: &[usize]| -> Vec<_> {
-            (0..2000).map(|k| (k as f64 * 1e-3 + 5e-4, !missed.contains(&k))).collect()
+            (0..1000).rev().map(|k| (k as f64 * 1e-3, !missed.contains(&k))).collect()
         };
-        // 300 of 2000 lie at 1.7 deg and above.
-        assert_eq!(surely_detected(&faults(&[])), Some(SIZE_STEP_DEG));
-        assert_eq!(surely_detected(&faults(&[])[..298]), None);
-        let below_half: Vec<_> = (0..500).collect();
-        let size = surely_detected(&faults(&below_half)).unwrap();
-        assert!((0.4..=0.5).contains(&size), "{size}");
-        // Two missed of the 300 largest: the sequence ends before it begins.
-        assert_eq!(surely_detected(&faults(&[1990, 1995])), None);
+        assert_eq!(surely_detected(faults(&[])), Some(0.0));
+        assert_eq!(surely_detected(faults(&[])[..298].to_vec()), None);
+        assert_eq!(surely_detected(faults(&[3, 500])), Some(0.501));
+        // Missed among the 299 largest: the sequence ends before it begins.
+        assert_eq!(surely_detected(faults(&[990])), None);
+    }
+
+    #[test]
+    fn many_faults_make_room_for_a_rare_miss() {
+        let faults = (0..10_000).map(|k| (k as f64 * 1e-4, k > 3000 && k % 1000 != 0));
+        let size = surely_detected(faults.collect()).unwrap();
+        assert!((0.298..=0.301).contains(&size), "{size}");
     }
 
     #[test]

@@ -125,3 +125,37 @@ impl Subject {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub const PAPER: Subject = Subject {
+        vehicle: Vehicle::PAPER,
+        period_s: 0.01,
+        armed_v_x: Interval::new(5.5, 29.5),
+        lateral_acceleration_m_per_s2: 3.0,
+        steering_rate_rad_per_s: 0.3,
+        smallest_fault_deg: 0.5,
+    };
+
+    pub const SETTINGS: Settings = Settings {
+        seed: 1,
+        drives: 1000,
+        duration_s: 60.0,
+        faults: FaultMix::Mixed,
+        fault_deg: [0.1, 2.0],
+        uncertainty: Uncertainty {
+            parameters_percent: 10.0,
+            bank_deg: 3.0,
+            gust_m_per_s: 10.0,
+            saturation: true,
+        },
+        sensors: Sensors {
+            v_x_noise_m_per_s: 0.02,
+            r_noise_rad_per_s: 0.002,
+            v_x_bias_m_per_s: 0.01,
+            r_bias_rad_per_s: 0.001,
+        },
+    };
+}
