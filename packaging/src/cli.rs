@@ -137,7 +137,9 @@ pub struct SimulateArguments {
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Examples:
   steerguard campaign design.json --drives 1000 --faults none --nominal -o fault-free
   steerguard campaign design.json --drives 1000 --faults bias --fault-deg 0..2 -o biases
   steerguard campaign design.json --parameters 10 --bank 3 --gust 10 -o perturbed
@@ -148,7 +150,8 @@ A campaign that was cut short goes on when the command is given again. Parts dri
 merged by copying their blocks/ into one folder and giving the command without --shard: results are
 the same, byte for byte, as those of one run.
 
-Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on.")]
+Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on."
+)]
 pub struct CampaignArguments {
     /// Design file (.json), or a specification (.toml) to be designed first
     pub design: PathBuf,
