@@ -7,8 +7,9 @@
 //!   alarm is false.
 //! - A fault is *exposed* from the first sample on at which it acts, now or earlier, and the detector
 //!   monitors. Delays count from there; `onset_delay_s` counts from the onset.
-//! - It is *detected* if an episode begins once it is exposed. An alarm that stands since before is a
-//!   false alarm and detects nothing. A fault that was never exposed is neither detected nor missed.
+//! - It is *detected* if an episode begins once it is exposed, otherwise *missed*. Two kinds of faults
+//!   are neither: those never exposed, and those *masked* by a false alarm that stood when they were
+//!   exposed.
 
 use super::record::{named, record};
 use crate::cosimulation::Sample;
@@ -21,6 +22,8 @@ named! {
         FaultFree = "fault-free",
         /// It never changed the road-wheel angle, or never while the detector monitored.
         NotExposed = "not exposed",
+        /// A false alarm stood when it was exposed.
+        Masked = "masked",
         /// An alarm followed.
         Detected = "detected",
         /// No alarm followed.
@@ -79,6 +82,7 @@ pub struct Observation {
     alarm: bool,
     acting_s: Option<f64>,
     exposed_s: Option<f64>,
+    masked: bool,
     alarm_s: Option<f64>,
     peak_fault_rad: f64,
     peak_ratio_before: Option<f64>,
@@ -102,7 +106,7 @@ impl Observation {
         self.alarm = sample.alarm;
         if begins && self.acting_s.is_none() {
             self.false_alarms += 1;
-        } else if begins && self.exposed_s.is_some() {
+        } else if begins && self.exposed_s.is_some() && !self.masked {
             self.alarm_s = self.alarm_s.or(Some(sample.time));
         }
     }
@@ -111,7 +115,10 @@ impl Observation {
         self.monitored += 1;
         let ratio = sample.j_rms / sample.j_th;
         let peak = if self.acting_s.is_some() {
-            self.exposed_s = self.exposed_s.or(Some(sample.time));
+            if self.exposed_s.is_none() {
+                self.exposed_s = Some(sample.time);
+                self.masked = self.alarm && sample.alarm;
+            }
             self.peak_fault_rad = self.peak_fault_rad.max(sample.fault.abs());
             &mut self.peak_ratio_after
         } else {
@@ -129,6 +136,7 @@ impl Observation {
             verdict: match (onset_s, self.exposed_s, self.alarm_s) {
                 (None, ..) => Verdict::FaultFree,
                 (_, None, _) => Verdict::NotExposed,
+                _ if self.masked => Verdict::Masked,
                 (.., Some(_)) => Verdict::Detected,
                 (.., None) => Verdict::Missed,
             },
@@ -194,8 +202,20 @@ mod tests {
 
     #[test]
     fn a_standing_alarm_detects_nothing() {
-        let outcome = outcome(&[(0.0, true, 2), (0.1, true, 2), (0.1, true, 2)], Some(1.0));
+        for last in [(0.1, true, 2), (0.1, false, 2)] {
+            let samples = [(0.0, true, 2), (0.1, true, 2), last, (0.1, true, 2)];
+            let outcome = outcome(&samples, Some(1.0));
+            assert_eq!((outcome.false_alarms, outcome.verdict), (1, Verdict::Masked));
+            assert_eq!((outcome.exposed_s, outcome.delay_s), (Some(1.0), None));
+        }
+    }
+
+    #[test]
+    fn without_an_alarm_a_fault_is_missed() {
+        let samples = [(0.0, true, 2), (0.0, false, 2), (0.1, false, 2), (0.1, false, 3)];
+        let outcome = outcome(&samples, Some(1.0));
         assert_eq!((outcome.false_alarms, outcome.verdict), (1, Verdict::Missed));
+        assert_eq!(outcome.peak_fault_deg, Some(0.1_f64.to_degrees()));
     }
 
     #[test]

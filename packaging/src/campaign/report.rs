@@ -3,7 +3,7 @@
 //! # Conventions
 //! - Intervals are two-sided, 95 %, exact: Garwood's for rates, Clopper and Pearson's for
 //!   probabilities. False alarms are counted an hour that the detector monitored without a fault.
-//! - Detections are counted among exposed faults, see [`super::outcome`]. The size of any fault is the
+//! - Detections are counted among the faults detected or missed, see [`super::outcome`]. The size of any fault is the
 //!   largest angle that it added while the detector monitored, so that kinds compare.
 //! - Delays count from exposure, and a missed fault has an endless one.
 //! - A size s is *surely detected* if of the faults next above it, at least 299 and a quarter of all of
@@ -87,9 +87,13 @@ pub struct Detections {
     pub faults: u64,
     /// Those that never acted while the detector monitored.
     pub not_exposed: u64,
-    /// Those detected; the rest of the exposed was missed.
+    /// Those that a false alarm masked.
+    pub masked: u64,
+    /// Those detected.
     pub detected: u64,
-    /// Probability of detection of an exposed fault.
+    /// Those missed.
+    pub missed: u64,
+    /// Probability of detection of a fault that is neither masked nor not exposed.
     pub probability: Option<Estimate>,
     /// Median of the delay.
     pub delay_median_s: Option<f64>,
@@ -188,12 +192,14 @@ impl Report {
 const FALSE_ALARMS_HEAD: [&str; 8] =
     ["drives", "number", "h", "episodes", "per h", "drives with", "per drive", "largest J/J_th"];
 
-const DETECTIONS_HEAD: [&str; 9] = [
+const DETECTIONS_HEAD: [&str; 11] = [
     "fault",
     "which",
     "number",
     "not exposed",
+    "masked",
     "detected",
+    "missed",
     "probability",
     "delay median s",
     "95 % s",
@@ -243,34 +249,38 @@ impl FalseAlarms {
 
 impl Detections {
     fn of(kind: FaultKind, group: String, faults: &[&Row]) -> Self {
-        let exposed = filtered(faults, |row| row.outcome.verdict != Verdict::NotExposed);
-        let is_detected = |row: &Row| row.outcome.verdict == Verdict::Detected;
-        let detected = count(&exposed, is_detected);
-        let mut delays: Vec<_> = exposed.iter().map(|row| row.outcome.delay_s).collect();
-        let sizes: Vec<_> = exposed
+        let is = |verdict| move |row: &Row| row.outcome.verdict == verdict;
+        let tried = filtered(faults, |row| is(Verdict::Detected)(row) || is(Verdict::Missed)(row));
+        let detected = count(&tried, is(Verdict::Detected));
+        let mut delays: Vec<_> = tried.iter().map(|row| row.outcome.delay_s).collect();
+        let sizes = tried
             .iter()
-            .filter_map(|row| Some((row.outcome.peak_fault_deg?, is_detected(row))))
+            .filter_map(|row| Some((row.outcome.peak_fault_deg?, is(Verdict::Detected)(row))))
             .collect();
         Self {
             kind: kind.name(),
             group,
             faults: faults.len() as u64,
-            not_exposed: (faults.len() - exposed.len()) as u64,
+            not_exposed: count(faults, is(Verdict::NotExposed)),
+            masked: count(faults, is(Verdict::Masked)),
             detected,
-            probability: probability(detected, exposed.len() as u64),
+            missed: count(&tried, is(Verdict::Missed)),
+            probability: probability(detected, tried.len() as u64),
             delay_median_s: quantile(&mut delays, 0.5),
             delay_95_s: quantile(&mut delays, 0.95),
             surely_detected_deg: surely_detected(sizes),
         }
     }
 
-    fn cells(&self) -> [String; 9] {
+    fn cells(&self) -> [String; 11] {
         [
             self.kind.into(),
             self.group.clone(),
             self.faults.to_string(),
             self.not_exposed.to_string(),
+            self.masked.to_string(),
             self.detected.to_string(),
+            self.missed.to_string(),
             estimate(self.probability),
             number(self.delay_median_s, 2),
             number(self.delay_95_s, 2),
