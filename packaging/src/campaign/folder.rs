@@ -52,8 +52,7 @@ impl Folder {
         drives: u64,
         manifest: &impl Serialize,
     ) -> Result<Self, CampaignError> {
-        let manifest = serde_json::to_string_pretty(manifest).map_err(io::Error::from);
-        let manifest = manifest.map_err(CampaignError::read(path))? + "\n";
+        let manifest = serde_json::to_string_pretty(manifest)? + "\n";
         let digest = hex(&Sha256::digest(&manifest));
         let file = path.join("campaign.json");
         output::create_folder(&path.join("blocks"))?;
@@ -88,9 +87,7 @@ impl Folder {
     pub fn write_block(&self, block: u64, rows: Vec<Row>) -> Result<(), CampaignError> {
         let path = self.block_path(block);
         let file = BlockFile { campaign: self.digest.clone(), rows };
-        let text = serde_json::to_string(&file).map_err(io::Error::from);
-        let text = text.map_err(CampaignError::read(&path))?;
-        Ok(output::write(&path, text.as_bytes())?)
+        Ok(output::write(&path, serde_json::to_string(&file)?.as_bytes())?)
     }
 
     /// The rows of a block; `None` if it is not done.
@@ -156,8 +153,7 @@ impl Folder {
         let paths = ["results.parquet", "report.json"].map(|name| self.path.join(name));
         let [results, report_path] = &paths;
         output::write(results, &table::parquet(rows, self.manifest.clone())?)?;
-        let text = serde_json::to_string_pretty(report).map_err(io::Error::from);
-        let text = text.map_err(CampaignError::read(report_path))? + "\n";
+        let text = serde_json::to_string_pretty(report)? + "\n";
         output::write(report_path, text.as_bytes())?;
         Ok(paths)
     }

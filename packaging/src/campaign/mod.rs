@@ -75,6 +75,9 @@ pub enum CampaignError {
         /// Why.
         source: std::io::Error,
     },
+    /// JSON could not be made.
+    #[error("cannot write JSON: {0}")]
+    Json(#[from] serde_json::Error),
     /// The table could not be made.
     #[error("cannot make the table of results: {0}")]
     Table(#[from] ParquetError),

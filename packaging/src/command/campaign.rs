@@ -134,15 +134,18 @@ fn drive_part(
 
     let mut outcome = Outcome {
         blocks: part.end - part.start,
-        missing_blocks: folder.missing(0..folder.blocks())?.len() as u64,
+        missing_blocks: 0,
         throughput,
         files: Vec::new(),
         report: None,
     };
-    if let Some(rows) = folder.rows()? {
-        let report = Report::of(&rows, bench.subject.armed_v_x);
-        outcome.files = folder.write_results(&rows, &report)?.into();
-        outcome.report = Some(report);
+    match folder.rows()? {
+        None => outcome.missing_blocks = folder.missing(0..folder.blocks())?.len() as u64,
+        Some(rows) => {
+            let report = Report::of(&rows, bench.subject.armed_v_x);
+            outcome.files = folder.write_results(&rows, &report)?.into();
+            outcome.report = Some(report);
+        }
     }
     print(json, &outcome, &text(&outcome))?;
     Ok(Exit::Done)
@@ -195,23 +198,4 @@ fn text(outcome: &Outcome) -> String {
         text += &format!("  {}\n", file.display());
     }
     text
-}
-
-impl From<CampaignError> for Failure {
-    fn from(error: CampaignError) -> Self {
-        let help = match &error {
-            CampaignError::OtherCampaign { .. } => {
-                "go on with the arguments it was begun with, or name another folder (-o DIR)"
-            }
-            CampaignError::Block { .. } => "delete the file: its drives are driven again",
-            CampaignError::Drive { .. } => {
-                "`steerguard campaign ... --drive INDEX` repeats this drive alone"
-            }
-            CampaignError::Output(_) | CampaignError::Read { .. } => {
-                "name a folder that you may write to (-o DIR)"
-            }
-            CampaignError::Table(_) | CampaignError::Workers(_) => return Self::bad(error),
-        };
-        Self::bad(&error).help(help)
-    }
 }
