@@ -10,6 +10,8 @@
 //! - It is *detected* if an episode begins once it is exposed, otherwise *missed*. Two kinds of faults
 //!   are neither: those never exposed, and those *masked* by a false alarm that stood when they were
 //!   exposed.
+//! - An alarm counts as detection even if it would have come without the fault: where false alarms are
+//!   frequent, small faults seem detected.
 
 use super::record::{named, record};
 use crate::cosimulation::Sample;
