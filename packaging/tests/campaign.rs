@@ -36,7 +36,7 @@ fn reference() -> &'static TempDir {
 
 /// The arguments of the campaign, and further ones.
 fn campaign<'a>(further: &[&'a str]) -> Vec<&'a str> {
-    let arguments = ["campaign", "design.json", "--drives", "190", "--duration", "20"];
+    let arguments = ["campaign", "design.json", "--drives", "190", "--duration", "30"];
     [&arguments, further].concat()
 }
 
@@ -149,7 +149,7 @@ fn one_drive_alone_is_its_row() {
 
         let samples = success(folder.path(), &campaign(&["--drive", &number]));
         assert!(samples.starts_with("time,v_x,r,u.T_eng,u.delta,fault,"), "{samples:.80}");
-        assert_eq!(samples.lines().count(), 1 + 2000);
+        assert_eq!(samples.lines().count(), 1 + 3000);
     }
     assert!(!folder.path().join("steerguard-campaign").exists());
 }
@@ -198,7 +198,7 @@ fn a_healthy_nominal_vehicle_raises_no_alarm() {
     // It was driven hard enough to tell.
     assert!(all["largest_ratio"].as_f64().unwrap() > 0.1, "{all}");
     assert!(
-        report["monitored_h"].as_f64().unwrap() > 0.9 * 20.0 * DRIVES as f64 / 3600.0,
+        report["monitored_h"].as_f64().unwrap() > 0.9 * 30.0 * DRIVES as f64 / 3600.0,
         "{report}"
     );
     assert_eq!(report["detections"], Value::Array(vec![]));

@@ -175,6 +175,11 @@ impl Report {
         if !self.detections.is_empty() {
             text += "\nDetections, with 95 % intervals; delays from the first monitored sample\n";
             text += &table(DETECTIONS_HEAD, self.detections.iter().map(Detections::cells));
+            text += &format!(
+                "  sure: {} % detected at {} % confidence; this takes {FEWEST} faults or more\n",
+                100.0 * SURE,
+                100.0 * CONFIDENCE
+            );
         }
         if !self.detections_by_size.is_empty() {
             text += "\nDetections by largest angle that the fault added\n";
@@ -377,6 +382,66 @@ fn estimate(estimate: Option<Estimate>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::campaign::drive::Drive;
+    use crate::campaign::outcome::Outcome;
+    use crate::campaign::settings::tests::{PAPER, SETTINGS};
+
+    /// A straight drive at 10 m/s, monitored for half an hour before any fault.
+    fn row(fault: FaultKind, verdict: Verdict, false_alarms: u32, delay_s: Option<f64>) -> Row {
+        let drive = Drive::draw(&SETTINGS, &PAPER, 0);
+        let manoeuvre = Manoeuvre::Straight;
+        let exposed_s = delay_s.map(|_| 1800.0);
+        Row {
+            drive: Drive { fault, manoeuvre, speed_m_per_s: 10.0, duration_s: 3600.0, ..drive },
+            outcome: Outcome {
+                verdict,
+                false_alarms,
+                monitored_s: 1800.0,
+                monitored_fault_free_s: 1800.0,
+                out_of_range_share: 0.5,
+                invalid_input_share: 0.0,
+                acting_s: exposed_s,
+                exposed_s,
+                alarm_s: None,
+                delay_s,
+                onset_delay_s: None,
+                peak_fault_deg: Some(0.6),
+                peak_ratio_before: Some(f64::from(false_alarms)),
+                peak_ratio_after: None,
+            },
+        }
+    }
+
+    #[test]
+    fn every_drive_is_counted_where_it_belongs() {
+        let rows = [
+            row(FaultKind::None, Verdict::FaultFree, 3, None),
+            row(FaultKind::Bias, Verdict::Detected, 0, Some(0.2)),
+            row(FaultKind::Bias, Verdict::Missed, 0, None),
+            row(FaultKind::Bias, Verdict::Masked, 1, None),
+            row(FaultKind::Stuck, Verdict::NotExposed, 0, None),
+        ];
+        let report = Report::of(&rows, PAPER.armed_v_x);
+        assert_eq!((report.drives, report.driven_h, report.monitored_h), (5, 5.0, 2.5));
+        assert_eq!(report.out_of_range_share, 0.5);
+
+        let groups: Vec<_> = report.false_alarms.iter().map(|g| g.group.as_str()).collect();
+        assert_eq!(groups, ["all drives", "5.5 to 13.5 m/s", "straight"]);
+        for group in &report.false_alarms {
+            assert_eq!((group.drives, group.hours, group.episodes), (5, 2.5, 4));
+            assert_eq!((group.drives_with_episodes, group.largest_ratio), (2, Some(3.0)));
+        }
+
+        let [bias, stuck, ..] = report.detections.as_slice() else { panic!() };
+        assert_eq!((bias.kind, bias.faults, bias.not_exposed, bias.masked), ("bias", 3, 0, 1));
+        assert_eq!((bias.detected, bias.missed), (1, 1));
+        assert_eq!(bias.probability, probability(1, 2));
+        assert_eq!((bias.delay_median_s, bias.delay_95_s), (Some(0.2), None));
+        assert_eq!((stuck.kind, stuck.not_exposed, stuck.probability), ("stuck", 1, None));
+        assert_eq!(report.detections_by_size.len(), 2);
+        assert_eq!(report.detections_by_size[0].group, "0.5 to 0.7 deg");
+        assert!(report.text().contains("masked"));
+    }
 
     #[test]
     fn sure_sizes_lie_above_the_largest_miss() {
