@@ -8,13 +8,11 @@ use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, RULE
 use crate::band::Band;
 use crate::calibration::{Level, calibrate, drives};
 use crate::certificate::{Check, check, error_dynamics};
-use crate::certified::certified;
-use crate::channel::Channel;
 use crate::design_file::{
     AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
     FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
 };
-use crate::frequency::{Inputs, at_point, detection_ratio, frozen, limit};
+use crate::frequency::{Inputs, detection_ratio, frozen, limit};
 use crate::gains::{ObserverGains, rows};
 use crate::gap::{self, SearchRecord};
 use crate::infeasible::{Obstacle, diagnose};
@@ -25,6 +23,7 @@ use crate::spec_error::SpecError;
 use crate::start_up::{self, spectral_radius};
 use crate::synthesis::{Goal, NoSolution, Synthesis, solve};
 use crate::theorem4::{Theorem4, matrix};
+use crate::worth::Worth;
 
 /// The start-up term may be forgotten once below this share of the smallest fault's residual.
 const NEGLIGIBLE: f64 = 0.1;
@@ -126,26 +125,17 @@ pub enum DesignError {
 pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
     spec.check()?;
     let model = spec.model();
-    let faults = spec.fault_channels()?;
     let inputs = spec.inputs()?;
     let theorem = spec.theorem(&inputs);
-    let points = OperatingPoint::grid(&model);
 
     let found = match spec.design.method {
-        MethodName::Paper => paper(spec, &theorem, progress)?,
+        MethodName::Paper => paper(spec, &theorem, &inputs, progress)?,
         MethodName::Gap => by_gap(spec, &theorem, &inputs, progress)?,
     };
-    let Found { gains, synthesis, theorem, .. } = &found;
+    let Found { gains, synthesis, theorem, worth, .. } = &found;
+    let (certified, a_posteriori) = worth.certified.clone().unzip();
 
-    progress(Step::Frozen);
-    let frozen = frozen(&points, &gains.gains, &inputs);
-    let figures: Vec<_> =
-        points.iter().map(|point| at_point(point, &gains.gains, &inputs)).collect();
-    let noise_rms = figures.iter().map(|x| x.noise_rms).fold(0.0, f64::max);
-    let smallest_fault_residual = frozen.beta * inputs.smallest_fault;
-    progress(Step::Certify);
-    let (certified, a_posteriori) =
-        certified(theorem, gains, &frozen, &inputs).ok().unzip();
+    let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
     let evaluation = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
 
     let mut design = Design {
@@ -185,10 +175,10 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             search: found.search,
         },
         performance: Performance {
-            limit: figures.iter().filter_map(|x| x.limit).reduce(f64::min),
-            detection_ratio: detection_ratio(frozen.beta, frozen.gamma, noise_rms, &inputs),
-            noise_rms,
-            frozen: FrozenRecord::new(frozen, inputs.smallest_fault, inputs.bound),
+            limit: worth.points.iter().filter_map(|x| x.limit).reduce(f64::min),
+            detection_ratio: worth.detection_ratio(&inputs),
+            noise_rms: worth.noise_rms,
+            frozen: FrozenRecord::new(worth.frozen, inputs.smallest_fault, inputs.bound),
             certified,
             norm: "2-norm of the stacked disturbances of a band, each in proportion to its bound, to \
                    the 2-norm of the weighted residual; of several bands the root of the sum of \
@@ -196,8 +186,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
                 .into(),
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&matrix(&n))),
             smallest_fault_residual,
-            operating_points: figures,
-            other_faults: other_faults(spec, &points, gains, &inputs, noise_rms, &faults),
+            operating_points: worth.points.clone(),
+            other_faults: other_faults(spec, gains, worth, &inputs)?,
         },
         certificate: Certificate {
             statement: found.check.map(|_| statement(theorem)),
@@ -233,6 +223,8 @@ struct Found {
     synthesis: Synthesis,
     /// With the multipliers of that synthesis.
     theorem: Theorem4,
+    /// What the gains are worth.
+    worth: Worth,
     /// Of method "paper".
     largest_beta: Option<LargestBeta>,
     /// (13), (31)-(33) for the gains, where they are those of the synthesis.
@@ -245,6 +237,7 @@ struct Found {
 fn paper(
     spec: &Spec,
     theorem: &Theorem4,
+    inputs: &Inputs,
     progress: &mut dyn FnMut(Step),
 ) -> Result<Found, DesignError> {
     progress(Step::LargestBeta);
@@ -256,6 +249,7 @@ fn paper(
     let check = check(theorem, gains, lyapunov, *gamma, *beta);
     Ok(Found {
         gains: *gains,
+        worth: Worth::of(gains, theorem, &spec.model(), inputs, progress),
         p_s: lyapunov.p_s.clone(),
         check: Some(check),
         theorem: theorem.clone(),
@@ -282,6 +276,7 @@ fn by_gap(
     Ok(Found {
         gains: found.gains,
         p_s: found.p_s,
+        worth: found.worth,
         synthesis: found.synthesis,
         theorem: found.theorem,
         largest_beta: None,
@@ -298,30 +293,27 @@ fn infeasible(spec: &Spec, theorem: &Theorem4) -> DesignError {
 /// The figures of the faults that the gains were not made for.
 fn other_faults(
     spec: &Spec,
-    points: &[OperatingPoint],
     gains: &ObserverGains,
+    worth: &Worth,
     inputs: &Inputs,
-    noise_rms: f64,
-    faults: &[Channel],
-) -> Vec<FaultFigures> {
-    let others = spec.fault.iter().zip(faults).skip(1);
-    others
-        .map(|(fault, channel)| {
-            let inputs = Inputs {
-                fault: channel.clone(),
-                smallest_fault: fault.smallest(),
-                ..inputs.clone()
-            };
-            let frozen = frozen(points, &gains.gains, &inputs);
-            let limits = points.iter().filter_map(|point| limit(point, &inputs));
-            FaultFigures {
-                fault: *fault,
-                limit: limits.reduce(f64::min),
-                detection_ratio: detection_ratio(frozen.beta, frozen.gamma, noise_rms, &inputs),
-                frozen: FrozenRecord::new(frozen, inputs.smallest_fault, inputs.bound),
-            }
-        })
-        .collect()
+) -> Result<Vec<FaultFigures>, SpecError> {
+    let points = OperatingPoint::grid(&spec.model());
+    let channels = spec.fault_channels()?;
+    let others = spec.fault.iter().zip(channels).skip(1);
+    let figures = others.map(|(fault, channel)| {
+        let inputs =
+            Inputs { fault: channel, smallest_fault: fault.smallest(), ..inputs.clone() };
+        let frozen = frozen(&points, &gains.gains, &inputs);
+        let limits = points.iter().filter_map(|point| limit(point, &inputs));
+        let noise_rms = worth.noise_rms;
+        FaultFigures {
+            fault: *fault,
+            limit: limits.reduce(f64::min),
+            detection_ratio: detection_ratio(frozen.beta, frozen.gamma, noise_rms, &inputs),
+            frozen: FrozenRecord::new(frozen, inputs.smallest_fault, inputs.bound),
+        }
+    });
+    Ok(figures.collect())
 }
 
 /// Gives the design its status and hash. Only the proof of the very file grants "certified".

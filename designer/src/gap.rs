@@ -34,6 +34,7 @@ use crate::operating_point::{FrozenError, OperatingPoint, extreme_gains};
 use crate::spec::Method;
 use crate::synthesis::{Goal, Synthesis, solve};
 use crate::theorem4::{Theorem4, matrix};
+use crate::worth::Worth;
 
 /// Magnitudes of alpha_d on the grid.
 const ALPHA_D: [f64; 2] = [2.0, 0.05];
@@ -54,6 +55,8 @@ const DIFFERENCE: f64 = 1e-7;
 const DECAY_RESERVE: [f64; 4] = [0.004, 0.015, 0.03, 0.06];
 /// Price of a mode that decays too slowly.
 const PENALTY: f64 = 1e3;
+/// Modes no slower than this keep their noise in the search.
+const STABLE: f64 = 0.995;
 /// Frequencies across a low band, and across others.
 const LOW_FREQUENCIES: u32 = 3;
 const OTHER_FREQUENCIES: u32 = 15;
@@ -66,18 +69,19 @@ pub struct SearchRecord {
     pub syntheses: usize,
     /// Those that had a solution.
     pub solved: usize,
-    /// Detection ratio of the best synthesis.
+    /// Detection ratio of the best one's gains.
     pub ratio_of_synthesis: f64,
-    /// Detection ratio of the refined gains.
-    pub ratio_refined: f64,
 }
 
 /// The gains found.
 pub struct Found {
-    /// Refined gains, or those of the synthesis where refinement gave none that provably decay.
+    /// Refined gains; or those of the synthesis, where refinement gave none that provably decay, or
+    /// where the synthesis has the larger certified detection ratio.
     pub gains: ObserverGains,
     /// P_s,i that prove their decay.
     pub p_s: [Matrix; RULES],
+    /// Their figures.
+    pub worth: Worth,
     /// The best synthesis.
     pub synthesis: Synthesis,
     /// With the multipliers of that synthesis.
@@ -103,22 +107,31 @@ pub fn search(
 
     progress(Step::Refine);
     let refined = DECAY_RESERVE.iter().find_map(|reserve| {
-        let gains = objective.refine(&best.synthesis.gains, theorem, theorem.decay - reserve)?;
+        let gains = objective.refine(&best.synthesis.gains, theorem, theorem.decay - reserve);
         Some((gains, decay_certificate(theorem, &gains)?))
     });
-    let ratio = |gains: &ObserverGains| objective.worst(&gains.gains).ratio(inputs);
-    let (gains, p_s) = refined
-        .filter(|(gains, _)| ratio(gains) > best.ratio)
-        .unwrap_or_else(|| (best.synthesis.gains, best.synthesis.lyapunov.p_s.clone()));
+    let mut worth = |gains: &ObserverGains| Worth::of(gains, theorem, model, inputs, progress);
+    let refined = refined.map(|(gains, p_s)| (gains, p_s, worth(&gains)));
+    let of_synthesis = || {
+        let Synthesis { gains, lyapunov, .. } = &best.synthesis;
+        (*gains, lyapunov.p_s.clone(), worth(gains))
+    };
+    // What is certified is no more than what is frozen, so the synthesis is only asked for its
+    // certificate where that could be the better one.
+    let (gains, p_s, worth) = match refined {
+        Some(refined) if refined.2.certified_ratio(inputs) >= best.ratio => refined,
+        Some(refined) => {
+            let of_synthesis = of_synthesis();
+            let [a, b] = [&refined, &of_synthesis].map(|x| x.2.certified_ratio(inputs));
+            if a >= b { refined } else { of_synthesis }
+        }
+        None => of_synthesis(),
+    };
     Some(Found {
-        record: SearchRecord {
-            syntheses: made,
-            solved,
-            ratio_of_synthesis: best.ratio,
-            ratio_refined: ratio(&gains),
-        },
         gains,
         p_s,
+        worth,
+        record: SearchRecord { syntheses: made, solved, ratio_of_synthesis: best.ratio },
         synthesis: best.synthesis,
         theorem: best.theorem,
     })
@@ -369,9 +382,13 @@ impl<'a> Objective<'a> {
             let radius =
                 error.n.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
             penalty += PENALTY * (radius - slowest).max(0.0).powi(2);
-            let Some([beta, gamma_squared, variance]) = self.at(&error) else {
+            // Beyond stability the noise goes on growing with the gains, not to infinity: the line
+            // search can turn back.
+            let contracted = FrozenError { n: error.n * f64::min(1.0, STABLE / radius), ..error };
+            let Some([beta, gamma_squared, _]) = self.at(&error) else {
                 return f64::INFINITY;
             };
+            let variance = noise_rms(&contracted, self.inputs.white_std).powi(2);
             ln_beta.push(beta.ln());
             ln_gamma.push(gamma_squared.ln());
             ln_noise.push(variance.ln());
@@ -390,7 +407,7 @@ impl<'a> Objective<'a> {
         start: &ObserverGains,
         theorem: &Theorem4,
         slowest: f64,
-    ) -> Option<ObserverGains> {
+    ) -> ObserverGains {
         let mut best = coordinates(&start.gains);
         for exponent in EXPONENTS {
             let refinement = Refinement {
@@ -407,7 +424,7 @@ impl<'a> Objective<'a> {
                 .run();
             best = refinement.best.into_inner().unwrap_or_else(PoisonError::into_inner).1;
         }
-        Some(gains_at(&best, theorem))
+        gains_at(&best, theorem)
     }
 }
 

@@ -30,6 +30,7 @@ mod spec_error;
 pub mod start_up;
 pub mod synthesis;
 pub mod theorem4;
+pub mod worth;
 
 pub use certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::{DesignError, Step, design};

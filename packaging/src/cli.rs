@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, value_parser};
 
+use crate::campaign::Shard;
+use crate::campaign::settings::FaultMix;
 use crate::platform::Platform;
 
 const EXAMPLES: &str = "\
@@ -17,6 +19,7 @@ Examples:
   steerguard package design.json                 SteeringFaultDetector.fmu
   steerguard check SteeringFaultDetector.fmu     what importers may trip over
   steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
+  steerguard campaign design.json --drives 1000  what the detector is worth on the road
 
 Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
 
@@ -50,6 +53,8 @@ pub enum Command {
     Check(CheckArguments),
     /// Co-simulate a detector FMU with a plant FMU
     Simulate(SimulateArguments),
+    /// Drive many random drives: false alarms, detections and delays with confidence intervals
+    Campaign(CampaignArguments),
 }
 
 /// Arguments of `design`.
@@ -128,6 +133,112 @@ pub struct SimulateArguments {
     /// Print the default scenario file and do nothing else
     #[arg(long)]
     pub print_scenario: bool,
+}
+
+/// Arguments of `campaign`.
+#[derive(Debug, Args)]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Examples:
+  steerguard campaign design.json --drives 1000 --faults none --nominal -o fault-free
+  steerguard campaign design.json --drives 1000 --faults bias --fault-deg 0..2 -o biases
+  steerguard campaign design.json --parameters 10 --bank 3 --gust 10 -o perturbed
+  steerguard campaign design.json --drive 17 > drive-17.csv
+  steerguard campaign design.json --drives 1000 --shard 2/4 -o part-2
+
+A campaign that was cut short goes on when the command is given again. Parts driven elsewhere are
+merged by copying their blocks/ into one folder and giving the command without --shard: results are
+the same, byte for byte, as those of one run.
+
+Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on."
+)]
+pub struct CampaignArguments {
+    /// Design file (.json), or a specification (.toml) to be designed first
+    pub design: PathBuf,
+    /// Number of drives
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = value_parser!(u64).range(1..=10_000_000))]
+    pub drives: u64,
+    /// Length of a drive, s
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = between::<5, 3600>)]
+    pub duration: f64,
+    /// Seed: same seed, same drives
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of workers; default: one a processor
+    #[arg(long, value_name = "J", value_parser = jobs)]
+    pub jobs: Option<usize>,
+    /// Faults: none; all kinds and none, equally likely; a bias in every drive
+    #[arg(long, value_enum, default_value = "mixed")]
+    pub faults: FaultMix,
+    /// Sizes of biases, drifts and oscillations, deg at the road wheel; default: up to four times the
+    /// smallest fault of the design
+    #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
+    pub fault_deg: Option<[f64; 2]>,
+    /// The design's own vehicle with linear tyres on a flat road in still air
+    #[arg(long, conflicts_with_all = ["parameters", "bank", "gust"])]
+    pub nominal: bool,
+    /// Largest deviation of mass, yaw inertia and cornering stiffnesses, percent
+    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = between::<0, 50>)]
+    pub parameters: f64,
+    /// Largest road bank, deg
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = between::<0, 30>)]
+    pub bank: f64,
+    /// Fastest gust across the road, m/s
+    #[arg(long, value_name = "M_PER_S", default_value_t = 10.0, value_parser = between::<0, 50>)]
+    pub gust: f64,
+    /// Standard deviation of the noise on v_x, m/s; default: the design's
+    #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
+    pub v_x_noise: Option<f64>,
+    /// Standard deviation of the noise on r, rad/s; default: the design's
+    #[arg(long, value_name = "RAD_PER_S", value_parser = between::<0, 1>)]
+    pub r_noise: Option<f64>,
+    /// Largest constant error of v_x, m/s; default: the design's
+    #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
+    pub v_x_bias: Option<f64>,
+    /// Largest constant error of r, rad/s; default: the design's
+    #[arg(long, value_name = "RAD_PER_S", value_parser = between::<0, 1>)]
+    pub r_bias: Option<f64>,
+    /// Only drive number INDEX, from 0: its samples as CSV, or with --json its row
+    #[arg(long, value_name = "INDEX", conflicts_with_all = ["shard", "jobs", "output"])]
+    pub drive: Option<u64>,
+    /// Only the K-th of N parts
+    #[arg(long, value_name = "K/N", default_value = "1/1", hide_default_value = true,
+        value_parser = shard)]
+    pub shard: Shard,
+    /// Folder of the campaign
+    #[arg(short, long, value_name = "DIR", default_value = "steerguard-campaign")]
+    pub output: PathBuf,
+}
+
+/// A number from MIN to MAX.
+fn between<const MIN: i64, const MAX: i64>(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().map_err(|error| error.to_string())?;
+    let (min, max) = (MIN as f64, MAX as f64);
+    if (min..=max).contains(&value) { Ok(value) } else { Err(format!("not from {MIN} to {MAX}")) }
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(jobs @ 1..=1024) => Ok(jobs),
+        _ => Err("expected a whole number from 1 to 1024".into()),
+    }
+}
+
+fn sizes(text: &str) -> Result<[f64; 2], String> {
+    let (min, max) = text.split_once("..").ok_or("expected MIN..MAX, such as 0.1..2")?;
+    let sizes = [between::<0, 90>(min)?, between::<0, 90>(max)?];
+    if sizes[0] <= sizes[1] { Ok(sizes) } else { Err("MIN is larger than MAX".into()) }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parse = || {
+        let (number, of) = text.split_once('/')?;
+        Some(Shard { number: number.parse().ok()?, of: of.parse().ok()? })
+    };
+    match parse() {
+        Some(shard) if 1 <= shard.number && shard.number <= shard.of => Ok(shard),
+        _ => Err("expected K/N with 1 <= K <= N, such as 2/4".into()),
+    }
 }
 
 fn runtime(text: &str) -> Result<(Platform, PathBuf), String> {

@@ -29,7 +29,7 @@ pub enum CosimulationError {
 }
 
 /// Sample k of a run: the columns of its CSV file, named as the FMU variables.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sample {
     /// t_k, s.
     pub time: f64,
@@ -105,30 +105,61 @@ pub fn run(
         .or(detector.step_size_s())
         .ok_or(CosimulationError::NoStep)?;
     let steps = scenario.steps(step_s)?;
-    let mut master = Master::start(detector, plant, scenario, initial_speed_m_per_s)?;
-    let samples =
-        (0..steps).map(|k| master.step(f64::from(k) * step_s, step_s)).collect::<Result<_, _>>()?;
-    master.detector.terminate()?;
-    master.plant.terminate()?;
+    let mut rig = Rig::new(detector, plant)?;
+    let [mass_kg, drag] = rig.detector.get_real(detector.reals(["vehicle.M_v", "vehicle.C_x"])?)?;
+    let cruise_torque_n_m = drag * initial_speed_m_per_s * initial_speed_m_per_s;
+    let excitation = |time_s| {
+        let v = initial_speed_m_per_s;
+        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
+        Excitation {
+            drive_torque: cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
+            steering_angle: scenario.steering_angle_rad.at(time_s, v),
+            fault: scenario.steering_fault_rad(time_s, v),
+            side_force,
+            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
+            sensor_bias: [0.0; 2],
+        }
+    };
+    let initial_state = [
+        initial_speed_m_per_s,
+        scenario.initial_lateral_speed_m_per_s,
+        scenario.initial_yaw_rate_rad_per_s,
+    ];
+    rig.plant.set_real(plant.reals(["initial.v_x", "initial.v_y", "initial.r"])?, initial_state)?;
+    rig.initialise(scenario.duration_s, &excitation(0.0))?;
+    let samples = (0..steps)
+        .map(|k| {
+            let time_s = f64::from(k) * step_s;
+            rig.step(time_s, step_s, |_| excitation(time_s))
+        })
+        .collect::<Result<_, _>>()?;
+    rig.terminate()?;
     Ok(Run { initial_speed_m_per_s, step_s, samples })
 }
 
-/// What the scenario asks for at a communication point.
-struct Excitation {
-    drive_torque: f64,
-    steering_angle: f64,
-    fault: f64,
-    side_force: f64,
-    yaw_moment: f64,
+/// What acts from a communication point to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Excitation {
+    /// Drive torque, N m.
+    pub drive_torque: f64,
+    /// Commanded road-wheel angle, rad.
+    pub steering_angle: f64,
+    /// Angle added by the faulty actuator, rad.
+    pub fault: f64,
+    /// Side force, N.
+    pub side_force: f64,
+    /// Yaw moment, N m.
+    pub yaw_moment: f64,
+    /// Added to what the plant measures: [v_x, r] in m/s, rad/s.
+    pub sensor_bias: [f64; 2],
 }
 
-struct Master<'a> {
-    scenario: &'a Scenario,
-    initial_speed_m_per_s: f64,
-    mass_kg: f64,
-    cruise_torque_n_m: f64,
-    detector: Instance,
-    plant: Instance,
+/// An instance of either FMU, connected.
+pub struct Rig {
+    /// The detector.
+    pub detector: Instance,
+    /// The plant; its parameters may be set before [`Rig::initialise`].
+    pub plant: Instance,
     ports: Ports,
 }
 
@@ -167,64 +198,57 @@ impl Ports {
     }
 }
 
-impl<'a> Master<'a> {
-    fn start(
-        detector_fmu: &Fmu,
-        plant_fmu: &Fmu,
-        scenario: &'a Scenario,
-        initial_speed_m_per_s: f64,
-    ) -> Result<Self, CosimulationError> {
+impl Rig {
+    /// Instantiates both; the plant gets the detector's vehicle.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a variable is missing or an FMU refuses.
+    pub fn new(detector_fmu: &Fmu, plant_fmu: &Fmu) -> Result<Self, CosimulationError> {
         let ports = Ports::find(detector_fmu, plant_fmu)?;
         let detector = detector_fmu.instantiate("detector")?;
         let mut plant = plant_fmu.instantiate("plant")?;
-
         for name in detector_fmu.names().filter(|name| name.starts_with("vehicle.")) {
             let value = detector.get_real(detector_fmu.reals([name])?)?;
             plant.set_real(plant_fmu.reals([name])?, value)?;
         }
-        let [mass_kg, drag] =
-            detector.get_real(detector_fmu.reals(["vehicle.M_v", "vehicle.C_x"])?)?;
-        plant.set_real(
-            plant_fmu.reals(["initial.v_x", "initial.v_y", "initial.r"])?,
-            [
-                initial_speed_m_per_s,
-                scenario.initial_lateral_speed_m_per_s,
-                scenario.initial_yaw_rate_rad_per_s,
-            ],
-        )?;
-
-        let cruise_torque_n_m = drag * initial_speed_m_per_s * initial_speed_m_per_s;
-        let mut master = Self {
-            scenario,
-            initial_speed_m_per_s,
-            mass_kg,
-            cruise_torque_n_m,
-            detector,
-            plant,
-            ports,
-        };
-        master.initialise()?;
-        Ok(master)
+        Ok(Self { detector, plant, ports })
     }
 
-    fn initialise(&mut self) -> Result<(), CosimulationError> {
-        let stop_time_s = self.scenario.duration_s;
-        let excitation = self.excitation(0.0);
+    /// Initialises both for a run of `stop_time_s`; `excitation` is that of time 0.
+    ///
+    /// # Errors
+    /// [`CosimulationError::Call`].
+    pub fn initialise(
+        &mut self,
+        stop_time_s: f64,
+        excitation: &Excitation,
+    ) -> Result<(), CosimulationError> {
         self.plant.setup_experiment(stop_time_s)?;
         self.plant.enter_initialization_mode()?;
-        self.excite_plant(&excitation)?;
+        self.excite_plant(excitation)?;
         self.plant.exit_initialization_mode()?;
 
         self.detector.setup_experiment(stop_time_s)?;
         self.detector.enter_initialization_mode()?;
-        self.connect(&excitation)?;
+        let [v_x, r, _] = self.measure()?;
+        self.excite_detector([v_x, r], excitation)?;
         self.detector.exit_initialization_mode()?;
         Ok(())
     }
 
-    fn step(&mut self, time_s: f64, step_s: f64) -> Result<Sample, CosimulationError> {
-        let excitation = self.excitation(time_s);
-        let [v_x, r, lateral_speed] = self.connect(&excitation)?;
+    /// One communication step from `time_s` on; `excite` is told [v_x, r] as the plant gives it.
+    ///
+    /// # Errors
+    /// [`CosimulationError::Call`].
+    pub fn step(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        excite: impl FnOnce([f64; 2]) -> Excitation,
+    ) -> Result<Sample, CosimulationError> {
+        let [v_x, r, lateral_speed] = self.measure()?;
+        let excitation = excite([v_x, r]);
+        let [v_x, r] = self.excite_detector([v_x, r], &excitation)?;
         self.excite_plant(&excitation)?;
         self.detector.do_step(time_s, step_s)?;
         self.plant.do_step(time_s, step_s)?;
@@ -233,7 +257,8 @@ impl<'a> Master<'a> {
             self.detector.get_real(self.ports.detector_outputs)?;
         let [alarm] = self.detector.get_boolean([self.ports.alarm])?;
         let [state] = self.detector.get_integer([self.ports.state])?;
-        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
+            excitation;
         Ok(Sample {
             time: time_s,
             v_x,
@@ -254,35 +279,40 @@ impl<'a> Master<'a> {
         })
     }
 
-    /// Passes what the plant measures, and u, to the detector.
-    fn connect(&mut self, excitation: &Excitation) -> Result<[f64; 3], CallError> {
-        let outputs = self.plant.get_real(self.ports.plant_outputs)?;
-        let [v_x, r, _] = outputs;
+    /// Terminates both.
+    ///
+    /// # Errors
+    /// [`CosimulationError::Call`].
+    pub fn terminate(&mut self) -> Result<(), CosimulationError> {
+        self.detector.terminate()?;
+        Ok(self.plant.terminate()?)
+    }
+
+    fn measure(&self) -> Result<[f64; 3], CallError> {
+        self.plant.get_real(self.ports.plant_outputs)
+    }
+
+    /// Passes u and what the sensors say of [v_x, r] to the detector, and returns the latter.
+    fn excite_detector(
+        &mut self,
+        [v_x, r]: [f64; 2],
+        excitation: &Excitation,
+    ) -> Result<[f64; 2], CallError> {
+        let [v_x_bias, r_bias] = excitation.sensor_bias;
+        let measured = [v_x + v_x_bias, r + r_bias];
         self.detector.set_real(
             self.ports.detector_inputs,
-            [v_x, r, excitation.drive_torque, excitation.steering_angle],
+            [measured[0], measured[1], excitation.drive_torque, excitation.steering_angle],
         )?;
-        Ok(outputs)
+        Ok(measured)
     }
 
     fn excite_plant(&mut self, excitation: &Excitation) -> Result<(), CallError> {
-        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } =
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
             *excitation;
         self.plant.set_real(
             self.ports.plant_inputs,
             [drive_torque, steering_angle, fault, side_force, yaw_moment],
         )
-    }
-
-    fn excitation(&self, time_s: f64) -> Excitation {
-        let Self { scenario, initial_speed_m_per_s: v, mass_kg, cruise_torque_n_m, .. } = *self;
-        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
-        Excitation {
-            drive_torque: cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
-            steering_angle: scenario.steering_angle_rad.at(time_s, v),
-            fault: scenario.steering_fault_rad(time_s, v),
-            side_force,
-            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
-        }
     }
 }

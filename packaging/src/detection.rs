@@ -12,7 +12,7 @@ use crate::cosimulation::{Run, Sample};
 pub const START_UP_S: f64 = 2.0;
 
 /// Item of `DetectorState` while residual, J and alarm are valid.
-const MONITORING: i32 = 2;
+pub(crate) const MONITORING: i32 = 2;
 
 /// The figures of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -91,3 +91,25 @@ impl From<crate::scenario::ScenarioError> for Failure {
         Self::bad(&error).help(help)
     }
 }
+
+impl From<crate::campaign::CampaignError> for Failure {
+    fn from(error: crate::campaign::CampaignError) -> Self {
+        use crate::campaign::CampaignError;
+        let help = match &error {
+            CampaignError::OtherCampaign { .. } => {
+                "go on with the arguments it was begun with, or name another folder (-o DIR)"
+            }
+            CampaignError::Block { .. } => "delete the file: its drives are driven again",
+            CampaignError::Drive { .. } => {
+                "`steerguard campaign ... --drive INDEX` repeats this drive alone"
+            }
+            CampaignError::Output(_) | CampaignError::Read { .. } => {
+                "name a folder that you may write to (-o DIR)"
+            }
+            CampaignError::Json(_) | CampaignError::Table(_) | CampaignError::Workers(_) => {
+                return Self::bad(error);
+            }
+        };
+        Self::bad(&error).help(help)
+    }
+}

@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod bake;
+pub mod campaign;
 pub mod check;
 pub mod cli;
 pub mod command;

@@ -21,7 +21,7 @@ impl OutputError {
 }
 
 /// Writes `bytes` to a temporary file beside `path` and renames it, so that no partial file is
-/// ever left at `path`.
+/// ever left at `path`, not even by a crash of the machine.
 ///
 /// # Errors
 /// [`OutputError`] if the folder is missing or not writable, or `path` is a folder.
@@ -36,6 +36,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
     let mut file = builder.tempfile_in(folder).map_err(OutputError::at(path))?;
     file.write_all(bytes).map_err(OutputError::at(path))?;
+    file.as_file().sync_all().map_err(OutputError::at(path))?;
     file.persist(path).map_err(|error| OutputError::at(path)(error.error))?;
     Ok(())
 }

@@ -18,6 +18,21 @@ impl Progress {
         Self(bar)
     }
 
+    /// A bar with room for `total`, of which [`Self::advance`] tells.
+    pub fn bar(total: u64) -> Self {
+        let bar = ProgressBar::new(total);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos} of {len} {msg} eta {eta}")
+        {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// Moves the bar on.
+    pub fn advance(&self, by: u64) {
+        self.0.inc(by);
+    }
+
     /// Replaces the line.
     pub fn say(&self, what: impl std::fmt::Display) {
         self.0.set_message(what.to_string());

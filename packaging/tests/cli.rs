@@ -3,11 +3,14 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use tempfile::TempDir;
+
+#[path = "common/command.rs"]
+mod command;
+
+use command::{failure, success};
 
 /// The paper's vehicle with a short calibration.
 const SPEC: &str = "\
@@ -20,35 +23,6 @@ disturbance_phases = 1
 initial_v_y_m_per_s = [0.0]
 duration_s = 2.0
 ";
-
-fn steerguard(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_steerguard"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-/// Runs what must succeed and returns its standard output.
-fn success(folder: &Path, arguments: &[&str]) -> String {
-    let output = steerguard(folder, arguments);
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
-    assert_eq!(error, "", "{arguments:?}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// Runs what must fail with `code`, print no result, and name all `parts` in its error.
-fn failure(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) {
-    let output = steerguard(folder, arguments);
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
-    assert_eq!(output.stdout, b"", "{arguments:?}");
-    assert!(error.starts_with("error: "), "{arguments:?}: {error}");
-    for part in parts {
-        assert!(error.contains(part), "{arguments:?}: `{part}` is missing in\n{error}");
-    }
-}
 
 /// A folder with `spec.toml` and its `design.json`, made once.
 fn designed() -> &'static TempDir {

@@ -1,5 +1,6 @@
 //! The subcommands.
 
+mod campaign;
 mod check;
 mod design;
 mod input;
@@ -25,6 +26,7 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Some(Command::Package(arguments)) => package::run(arguments, cli.json),
         Some(Command::Check(arguments)) => check::run(arguments, cli.json),
         Some(Command::Simulate(arguments)) => simulate::run(arguments, cli.json),
+        Some(Command::Campaign(arguments)) => campaign::run(arguments, cli.json),
     }
 }
 

@@ -69,6 +69,8 @@ pub enum Type {
     Real,
     /// fmi2Boolean.
     Boolean,
+    /// fmi2Integer.
+    Integer,
     /// fmi2Integer with named values.
     Enumeration,
     /// fmi2String.

@@ -1,0 +1,182 @@
+//! The folder of a campaign: what it is, the blocks that are done, the merged results.
+//!
+//! # Conventions
+//! - `campaign.json` says everything that the results depend on. Whoever works in the folder must mean
+//!   the same campaign.
+//! - `blocks/000012.json` holds the rows of block 12, drives 192 to 207, and the campaign's digest. A
+//!   block is there whole or not at all, whatever happens to the process or the machine; so a campaign
+//!   that was cut short, or whose blocks come from several machines, goes on where blocks are missing.
+//! - A killed process may leave `.steerguard-*` files behind: nobody reads them.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+
+use super::CampaignError;
+use super::table::{self, Row};
+use crate::output;
+
+/// Drives of a block.
+pub const BLOCK: u64 = 16;
+
+/// A folder that belongs to one campaign.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    drives: u64,
+    /// The text of `campaign.json`, and its SHA-256.
+    manifest: String,
+    digest: String,
+}
+
+/// A file of `blocks/`.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BlockFile {
+    campaign: String,
+    rows: Vec<Row>,
+}
+
+impl Folder {
+    /// Makes `path` the folder of the campaign that `manifest` describes, or finds that it is.
+    ///
+    /// # Errors
+    /// [`CampaignError`] if it belongs to another campaign or cannot be read or made.
+    pub fn open(
+        path: &Path,
+        drives: u64,
+        manifest: &impl Serialize,
+    ) -> Result<Self, CampaignError> {
+        let manifest = serde_json::to_string_pretty(manifest)? + "\n";
+        let digest = hex(&Sha256::digest(&manifest));
+        let file = path.join("campaign.json");
+        output::create_folder(&path.join("blocks"))?;
+        match std::fs::read_to_string(&file) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                output::write(&file, manifest.as_bytes())?;
+            }
+            Err(error) => return Err(CampaignError::read(&file)(error)),
+            Ok(there) if there == manifest => {}
+            Ok(there) => {
+                let differences = differences(&there, &manifest);
+                return Err(CampaignError::OtherCampaign { folder: path.to_owned(), differences });
+            }
+        }
+        Ok(Self { path: path.to_owned(), drives, manifest, digest })
+    }
+
+    /// Number of blocks of the campaign.
+    pub fn blocks(&self) -> u64 {
+        self.drives.div_ceil(BLOCK)
+    }
+
+    /// Drives of block `block`.
+    pub fn drives_of(&self, block: u64) -> Range<u64> {
+        block * BLOCK..self.drives.min((block + 1) * BLOCK)
+    }
+
+    /// Writes the rows of a block.
+    ///
+    /// # Errors
+    /// [`CampaignError::Output`].
+    pub fn write_block(&self, block: u64, rows: Vec<Row>) -> Result<(), CampaignError> {
+        let path = self.block_path(block);
+        let file = BlockFile { campaign: self.digest.clone(), rows };
+        Ok(output::write(&path, serde_json::to_string(&file)?.as_bytes())?)
+    }
+
+    /// The rows of a block; `None` if it is not done.
+    ///
+    /// # Errors
+    /// [`CampaignError`] if the file is not what this campaign writes.
+    pub fn read_block(&self, block: u64) -> Result<Option<Vec<Row>>, CampaignError> {
+        let path = self.block_path(block);
+        let text = match std::fs::read_to_string(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            other => other.map_err(CampaignError::read(&path))?,
+        };
+        let bad = |reason: String| CampaignError::Block { path: path.clone(), reason };
+        let file: BlockFile =
+            serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
+        if file.campaign != self.digest {
+            return Err(bad("it belongs to another campaign".into()));
+        }
+        if !file.rows.iter().map(|row| row.drive.index).eq(self.drives_of(block)) {
+            return Err(bad("its drives are not those of this block".into()));
+        }
+        Ok(Some(file.rows))
+    }
+
+    /// The blocks among `blocks` that are not done.
+    ///
+    /// # Errors
+    /// As [`Self::read_block`].
+    pub fn missing(&self, blocks: Range<u64>) -> Result<Vec<u64>, CampaignError> {
+        let mut missing = Vec::new();
+        for block in blocks {
+            if self.read_block(block)?.is_none() {
+                missing.push(block);
+            }
+        }
+        Ok(missing)
+    }
+
+    /// All rows in the order of their indices; `None` while blocks are missing.
+    ///
+    /// # Errors
+    /// As [`Self::read_block`].
+    pub fn rows(&self) -> Result<Option<Vec<Row>>, CampaignError> {
+        let mut rows = Vec::new();
+        for block in 0..self.blocks() {
+            match self.read_block(block)? {
+                Some(mut block) => rows.append(&mut block),
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(rows))
+    }
+
+    /// Writes `results.parquet` and `report.json`.
+    ///
+    /// # Errors
+    /// [`CampaignError`] if a file cannot be made or written.
+    pub fn write_results(
+        &self,
+        rows: &[Row],
+        report: &impl Serialize,
+    ) -> Result<[PathBuf; 2], CampaignError> {
+        let paths = ["results.parquet", "report.json"].map(|name| self.path.join(name));
+        let [results, report_path] = &paths;
+        output::write(results, &table::parquet(rows, self.manifest.clone())?)?;
+        let text = serde_json::to_string_pretty(report)? + "\n";
+        output::write(report_path, text.as_bytes())?;
+        Ok(paths)
+    }
+
+    fn block_path(&self, block: u64) -> PathBuf {
+        self.path.join("blocks").join(format!("{block:06}.json"))
+    }
+}
+
+/// Lower-case hexadecimal digits of `bytes`.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The keys at which two manifests differ, with both values.
+fn differences(there: &str, here: &str) -> String {
+    let parse = |text| serde_json::from_str::<Map<String, Value>>(text).unwrap_or_default();
+    let (there, here) = (parse(there), parse(here));
+    let keys: BTreeSet<_> = there.keys().chain(here.keys()).collect();
+    let show = |value: Option<&Value>| value.map_or("nothing".to_owned(), Value::to_string);
+    let differing = keys.into_iter().filter(|key| there.get(*key) != here.get(*key));
+    let lines = differing.map(|key| {
+        format!("\n  {key}: {} there, {} now", show(there.get(key)), show(here.get(key)))
+    });
+    lines.collect()
+}

@@ -1,0 +1,186 @@
+//! Campaigns: many random drives through the packaged FMUs, and what they show.
+//!
+//! # Conventions
+//! - Drive i is a pure function of settings, design and i, down to the last bit, on any machine: random
+//!   numbers by counter, sine and cosine of `libm`, and FMUs that use nothing else. So results do not
+//!   depend on the number of workers, on interruptions, or on who drove which part.
+//! - Drives are grouped in blocks of [`folder::BLOCK`]; a block is the unit of work and of storage.
+
+pub mod drive;
+pub mod fault;
+pub mod folder;
+pub mod gust;
+pub mod manoeuvre;
+pub mod outcome;
+pub mod random;
+mod record;
+pub mod report;
+pub mod settings;
+pub mod simulation;
+pub mod statistics;
+pub mod table;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use parquet::errors::ParquetError;
+use rayon::ThreadPoolBuilder;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::cosimulation::CosimulationError;
+use crate::output::OutputError;
+use drive::Drive;
+use folder::Folder;
+use settings::Settings;
+use simulation::TestBench;
+use table::Row;
+
+/// Value of the key `format` of `campaign.json`.
+const FORMAT: &str = "steerguard-campaign/1";
+
+/// Why a campaign has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// A drive ended early.
+    #[error("drive {index}: {source}")]
+    Drive {
+        /// Which drive.
+        index: u64,
+        /// Why.
+        source: Box<CosimulationError>,
+    },
+    /// The folder is in use for another campaign.
+    #[error("`{}` holds another campaign{differences}", folder.display())]
+    OtherCampaign {
+        /// The folder.
+        folder: PathBuf,
+        /// What differs, a line each.
+        differences: String,
+    },
+    /// A block cannot be used.
+    #[error("block `{}`: {reason}", path.display())]
+    Block {
+        /// Its file.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// A file could not be read.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// JSON could not be made.
+    #[error("cannot write JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The table could not be made.
+    #[error("cannot make the table of results: {0}")]
+    Table(#[from] ParquetError),
+    /// A file could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The system gives no threads.
+    #[error("cannot start workers: {0}")]
+    Workers(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl CampaignError {
+    fn read(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
+        |source| Self::Read { path: path.to_owned(), source }
+    }
+}
+
+/// Everything that the results of a campaign depend on: the content of `campaign.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Manifest {
+    /// Format and version of the folder.
+    pub format: &'static str,
+    /// Version of this command.
+    pub version: &'static str,
+    /// SHA-256 of the detector's FMU.
+    pub detector: String,
+    /// SHA-256 of the plant's FMU.
+    pub plant: String,
+    /// Hash of the design.
+    pub design: String,
+    /// What is driven.
+    #[serde(flatten)]
+    pub settings: Settings,
+}
+
+impl Manifest {
+    /// The manifest of a campaign on FMUs with these bytes.
+    pub fn new(settings: Settings, design: String, detector: &[u8], plant: &[u8]) -> Self {
+        let digest = |bytes| folder::hex(&Sha256::digest(bytes));
+        Self {
+            format: FORMAT,
+            version: env!("CARGO_PKG_VERSION"),
+            detector: digest(detector),
+            plant: digest(plant),
+            design,
+            settings,
+        }
+    }
+}
+
+/// The K-th of N parts of a campaign, K from 1: consecutive blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// K, from 1 to N.
+    pub number: u64,
+    /// N.
+    pub of: u64,
+}
+
+impl Shard {
+    /// The whole campaign.
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
+
+    /// The blocks of the part among `blocks` blocks.
+    pub fn blocks(self, blocks: u64) -> Range<u64> {
+        let end = |k: u64| (u128::from(blocks) * u128::from(k) / u128::from(self.of)) as u64;
+        end(self.number - 1)..end(self.number)
+    }
+}
+
+/// Drives one drive and returns its row.
+///
+/// # Errors
+/// [`CampaignError::Drive`].
+pub fn row(bench: &TestBench, settings: &Settings, index: u64) -> Result<Row, CampaignError> {
+    let drive = Drive::draw(settings, &bench.subject, index);
+    let outcome = bench
+        .run(&drive, |_| ())
+        .map_err(|source| CampaignError::Drive { index, source: Box::new(source) })?;
+    Ok(Row { drive, outcome })
+}
+
+/// Drives and writes `blocks` on `jobs` workers; `progress` hears the number of drives done.
+///
+/// # Errors
+/// The first [`CampaignError`]; blocks written before stay.
+pub fn run(
+    bench: &TestBench,
+    settings: &Settings,
+    folder: &Folder,
+    blocks: &[u64],
+    jobs: usize,
+    progress: impl Fn(u64) + Sync,
+) -> Result<(), CampaignError> {
+    let drive_block = |&block: &u64| {
+        let rows = folder.drives_of(block).map(|index| {
+            let row = row(bench, settings, index);
+            progress(1);
+            row
+        });
+        folder.write_block(block, rows.collect::<Result<_, _>>()?)
+    };
+    let workers = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+    // One block at a time for each worker, so that none runs out of work before the others.
+    workers.install(|| blocks.par_iter().with_max_len(1).try_for_each(drive_block))
+}

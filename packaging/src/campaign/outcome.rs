@@ -1,0 +1,240 @@
+//! What a drive showed: false alarms, whether and when its fault was detected, how close J came.
+//!
+//! # Conventions
+//! - Times are sample times. An episode begins where the alarm goes on.
+//! - A fault *acts* from the first sample on at which it changes the road-wheel angle: a wheel that
+//!   sticks where it is commanded to be does not act yet. From then on until the end of the drive no
+//!   alarm is false.
+//! - A fault is *exposed* from the first sample on at which it acts, now or earlier, and the detector
+//!   monitors. Delays count from there; `onset_delay_s` counts from the onset.
+//! - It is *detected* if an episode begins once it is exposed, otherwise *missed*. Two kinds of faults
+//!   are neither: those never exposed, and those *masked* by a false alarm that stood when they were
+//!   exposed.
+//! - An alarm counts as detection even if it would have come without the fault: where false alarms are
+//!   frequent, small faults seem detected.
+
+use super::record::{named, record};
+use crate::cosimulation::Sample;
+use crate::detection::MONITORING;
+
+named! {
+    /// What became of the fault.
+    pub enum Verdict {
+        /// There was none.
+        FaultFree = "fault-free",
+        /// It never changed the road-wheel angle, or never while the detector monitored.
+        NotExposed = "not exposed",
+        /// A false alarm stood when it was exposed.
+        Masked = "masked",
+        /// An alarm followed.
+        Detected = "detected",
+        /// No alarm followed.
+        Missed = "missed",
+    }
+}
+
+record! {
+    /// What a drive showed.
+    pub struct Outcome {
+        /// What became of the fault.
+        pub verdict: Verdict,
+        /// Episodes of the alarm that began before the fault acted.
+        pub false_alarms: u32,
+        /// Time that the detector monitored.
+        pub monitored_s: f64,
+        /// The same before the fault acted.
+        pub monitored_fault_free_s: f64,
+        /// Share of the samples at which the detector was out of range.
+        pub out_of_range_share: f64,
+        /// Share of the samples at which its input was invalid.
+        pub invalid_input_share: f64,
+        /// First sample at which the fault acted.
+        pub acting_s: Option<f64>,
+        /// First sample at which it was exposed.
+        pub exposed_s: Option<f64>,
+        /// First sample of the episode that detected it.
+        pub alarm_s: Option<f64>,
+        /// From exposure to alarm.
+        pub delay_s: Option<f64>,
+        /// From onset to alarm.
+        pub onset_delay_s: Option<f64>,
+        /// Largest angle that the fault added while the detector monitored.
+        pub peak_fault_deg: Option<f64>,
+        /// Largest J/J_th while the detector monitored before the fault acted.
+        pub peak_ratio_before: Option<f64>,
+        /// The same from then on.
+        pub peak_ratio_after: Option<f64>,
+    }
+}
+
+/// Items of the enumeration `DetectorState` without valid results.
+const OUT_OF_RANGE: i32 = 3;
+const INVALID_INPUT: i32 = 4;
+
+/// Gathers the outcome of a drive, sample by sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Observation {
+    samples: u32,
+    monitored: u32,
+    monitored_fault_free: u32,
+    out_of_range: u32,
+    invalid_input: u32,
+    false_alarms: u32,
+    /// The alarm of the last sample.
+    alarm: bool,
+    acting_s: Option<f64>,
+    exposed_s: Option<f64>,
+    masked: bool,
+    alarm_s: Option<f64>,
+    peak_fault_rad: f64,
+    peak_ratio_before: Option<f64>,
+    peak_ratio_after: Option<f64>,
+}
+
+impl Observation {
+    /// Takes the next sample.
+    pub fn add(&mut self, sample: &Sample) {
+        self.samples += 1;
+        if sample.fault != 0.0 {
+            self.acting_s = self.acting_s.or(Some(sample.time));
+        }
+        match sample.state {
+            MONITORING => self.add_monitored(sample),
+            OUT_OF_RANGE => self.out_of_range += 1,
+            INVALID_INPUT => self.invalid_input += 1,
+            _ => {}
+        }
+        let begins = sample.alarm && !self.alarm;
+        self.alarm = sample.alarm;
+        if begins && self.acting_s.is_none() {
+            self.false_alarms += 1;
+        } else if begins && self.exposed_s.is_some() && !self.masked {
+            self.alarm_s = self.alarm_s.or(Some(sample.time));
+        }
+    }
+
+    fn add_monitored(&mut self, sample: &Sample) {
+        self.monitored += 1;
+        let ratio = sample.j_rms / sample.j_th;
+        let peak = if self.acting_s.is_some() {
+            if self.exposed_s.is_none() {
+                self.exposed_s = Some(sample.time);
+                self.masked = self.alarm && sample.alarm;
+            }
+            self.peak_fault_rad = self.peak_fault_rad.max(sample.fault.abs());
+            &mut self.peak_ratio_after
+        } else {
+            self.monitored_fault_free += 1;
+            &mut self.peak_ratio_before
+        };
+        *peak = Some(peak.map_or(ratio, |peak| peak.max(ratio)));
+    }
+
+    /// The outcome of a drive sampled every `period_s` whose fault, if any, began at `onset_s`.
+    pub fn outcome(&self, period_s: f64, onset_s: Option<f64>) -> Outcome {
+        let share = |samples: u32| f64::from(samples) / f64::from(self.samples.max(1));
+        let since = |begin_s: Option<f64>| Some(self.alarm_s? - begin_s?);
+        Outcome {
+            verdict: match (onset_s, self.exposed_s, self.alarm_s) {
+                (None, ..) => Verdict::FaultFree,
+                (_, None, _) => Verdict::NotExposed,
+                _ if self.masked => Verdict::Masked,
+                (.., Some(_)) => Verdict::Detected,
+                (.., None) => Verdict::Missed,
+            },
+            false_alarms: self.false_alarms,
+            monitored_s: f64::from(self.monitored) * period_s,
+            monitored_fault_free_s: f64::from(self.monitored_fault_free) * period_s,
+            out_of_range_share: share(self.out_of_range),
+            invalid_input_share: share(self.invalid_input),
+            acting_s: self.acting_s,
+            exposed_s: self.exposed_s,
+            alarm_s: self.alarm_s,
+            delay_s: since(self.exposed_s),
+            onset_delay_s: since(onset_s),
+            peak_fault_deg: self.exposed_s.map(|_| self.peak_fault_rad.to_degrees()),
+            peak_ratio_before: self.peak_ratio_before,
+            peak_ratio_after: self.peak_ratio_after,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The outcome of samples (fault in rad, alarm, state), one a second.
+    fn outcome(samples: &[(f64, bool, i32)], onset_s: Option<f64>) -> Outcome {
+        let mut observation = Observation::default();
+        for (k, &(fault, alarm, state)) in samples.iter().enumerate() {
+            let time = k as f64;
+            let j_rms = if alarm { 2.0 } else { 0.5 };
+            observation.add(&Sample {
+                time,
+                fault,
+                alarm,
+                state,
+                j_rms,
+                j_th: 1.0,
+                ..Sample::default()
+            });
+        }
+        observation.outcome(1.0, onset_s)
+    }
+
+    #[test]
+    fn false_alarms_are_episodes_before_the_fault_acts() {
+        let outcome = outcome(
+            &[
+                (0.0, true, 2),
+                (0.0, true, 2),
+                (0.0, false, 3),
+                (0.0, true, 2),
+                (0.1, false, 2),
+                (0.1, true, 2),
+            ],
+            Some(2.0),
+        );
+        assert_eq!((outcome.false_alarms, outcome.verdict), (2, Verdict::Detected));
+        assert_eq!((outcome.acting_s, outcome.delay_s), (Some(4.0), Some(1.0)));
+        assert_eq!((outcome.onset_delay_s, outcome.monitored_fault_free_s), (Some(3.0), 3.0));
+        assert_eq!((outcome.peak_ratio_before, outcome.peak_ratio_after), (Some(2.0), Some(2.0)));
+        assert_eq!(outcome.out_of_range_share, 1.0 / 6.0);
+    }
+
+    #[test]
+    fn a_standing_alarm_detects_nothing() {
+        for last in [(0.1, true, 2), (0.1, false, 2)] {
+            let samples = [(0.0, true, 2), (0.1, true, 2), last, (0.1, true, 2)];
+            let outcome = outcome(&samples, Some(1.0));
+            assert_eq!((outcome.false_alarms, outcome.verdict), (1, Verdict::Masked));
+            assert_eq!((outcome.exposed_s, outcome.delay_s), (Some(1.0), None));
+        }
+    }
+
+    #[test]
+    fn without_an_alarm_a_fault_is_missed() {
+        let samples = [(0.0, true, 2), (0.0, false, 2), (0.1, false, 2), (0.1, false, 3)];
+        let outcome = outcome(&samples, Some(1.0));
+        assert_eq!((outcome.false_alarms, outcome.verdict), (1, Verdict::Missed));
+        assert_eq!(outcome.peak_fault_deg, Some(0.1_f64.to_degrees()));
+    }
+
+    #[test]
+    fn a_fault_that_does_nothing_or_is_not_monitored_is_not_exposed() {
+        for samples in [[(0.0, false, 2); 3], [(0.1, false, 3); 3]] {
+            assert_eq!(outcome(&samples, Some(0.0)).verdict, Verdict::NotExposed);
+        }
+        let late = outcome(&[(0.1, false, 3), (0.0, false, 2), (0.0, true, 2)], Some(0.0));
+        assert_eq!(
+            (late.verdict, late.exposed_s, late.delay_s),
+            (Verdict::Detected, Some(1.0), Some(1.0))
+        );
+    }
+
+    #[test]
+    fn without_a_fault_there_is_no_delay() {
+        let outcome = outcome(&[(0.0, false, 2)], None);
+        assert_eq!((outcome.verdict, outcome.delay_s), (Verdict::FaultFree, None));
+    }
+}

@@ -1,0 +1,161 @@
+//! What a campaign is to do, and what it needs to know of the design.
+
+use serde::Serialize;
+use steerguard_designer::spec::Fault;
+use steerguard_designer::{Design, Spec};
+use steerguard_detector::{Interval, Vehicle};
+
+/// Settings of a campaign: with a design, they say everything about its drives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Settings {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Number of drives.
+    pub drives: u64,
+    /// Length of a drive, s.
+    pub duration_s: f64,
+    /// Which faults are drawn.
+    pub faults: FaultMix,
+    /// Smallest and largest bias, drift and oscillation, degrees at the road wheel.
+    pub fault_deg: [f64; 2],
+    /// What the design does not know of.
+    pub uncertainty: Uncertainty,
+    /// Sensor errors.
+    pub sensors: Sensors,
+}
+
+/// Which faults are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum FaultMix {
+    /// No fault in any drive.
+    None,
+    /// No fault and every kind of fault, equally likely.
+    Mixed,
+    /// A bias in every drive.
+    Bias,
+}
+
+/// Bounds of what the design does not know of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Uncertainty {
+    /// Largest relative deviation of M_v, I_z, C_f and C_r, each drawn alone, percent.
+    pub parameters_percent: f64,
+    /// Largest road bank, deg.
+    pub bank_deg: f64,
+    /// Fastest gust across the road, m/s.
+    pub gust_m_per_s: f64,
+    /// Whether friction limits the axle forces in half of the drives.
+    pub saturation: bool,
+}
+
+impl Uncertainty {
+    /// The design's own vehicle on a flat road in still air.
+    pub const NOMINAL: Self =
+        Self { parameters_percent: 0.0, bank_deg: 0.0, gust_m_per_s: 0.0, saturation: false };
+}
+
+/// Sensor errors: white noise, and bounds of a bias that is constant in a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sensors {
+    /// Standard deviation of the noise on v_x, m/s, held for a sampling period.
+    pub v_x_noise_m_per_s: f64,
+    /// Standard deviation of the noise on r, rad/s, held for a sampling period.
+    pub r_noise_rad_per_s: f64,
+    /// Largest bias of v_x, m/s.
+    pub v_x_bias_m_per_s: f64,
+    /// Largest bias of r, rad/s.
+    pub r_bias_rad_per_s: f64,
+}
+
+impl Sensors {
+    /// The sensors that the specification describes.
+    ///
+    /// It has no sensors yet and its thresholds hold without noise, so these are nearly perfect
+    /// ones: this is the place that reads them once it has.
+    pub fn of(_spec: &Spec) -> Self {
+        Self {
+            v_x_noise_m_per_s: 1e-4,
+            r_noise_rad_per_s: 1e-5,
+            v_x_bias_m_per_s: 0.0,
+            r_bias_rad_per_s: 0.0,
+        }
+    }
+}
+
+/// The design under test, as far as drives depend on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Subject {
+    /// The vehicle it is made for.
+    pub vehicle: Vehicle,
+    /// Sampling period, the communication step of the drives, s.
+    pub period_s: f64,
+    /// Speeds at which it arms, m/s.
+    pub armed_v_x: Interval,
+    /// Lateral acceleration of its hardest manoeuvre, m/s^2.
+    pub lateral_acceleration_m_per_s2: f64,
+    /// Fastest steering at the road wheel, rad/s.
+    pub steering_rate_rad_per_s: f64,
+    /// Smallest steering fault of interest, deg.
+    pub smallest_fault_deg: f64,
+}
+
+impl Subject {
+    /// What drives take from `design`.
+    pub fn of(design: &Design) -> Self {
+        let spec = &design.spec;
+        let calibration = &spec.evaluation.calibration;
+        let smallest = spec.fault.iter().find_map(|fault| match fault {
+            Fault::Steering { smallest_deg, .. } => Some(*smallest_deg),
+            Fault::Torque { .. } => None,
+        });
+        let range = &spec.operating_range;
+        let [v_x_hysteresis, ..] = range.hysteresis();
+        Self {
+            vehicle: design.vehicle,
+            period_s: design.sampling_period_s,
+            armed_v_x: range.range().v_x.shrunk(v_x_hysteresis),
+            lateral_acceleration_m_per_s2: calibration
+                .lateral_acceleration_m_per_s2
+                .iter()
+                .copied()
+                .fold(0.0, f64::max),
+            steering_rate_rad_per_s: calibration.steering_rate_rad_per_s,
+            smallest_fault_deg: smallest.unwrap_or(0.5),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub const PAPER: Subject = Subject {
+        vehicle: Vehicle::PAPER,
+        period_s: 0.01,
+        armed_v_x: Interval::new(5.5, 29.5),
+        lateral_acceleration_m_per_s2: 3.0,
+        steering_rate_rad_per_s: 0.3,
+        smallest_fault_deg: 0.5,
+    };
+
+    pub const SETTINGS: Settings = Settings {
+        seed: 1,
+        drives: 1000,
+        duration_s: 60.0,
+        faults: FaultMix::Mixed,
+        fault_deg: [0.1, 2.0],
+        uncertainty: Uncertainty {
+            parameters_percent: 10.0,
+            bank_deg: 3.0,
+            gust_m_per_s: 10.0,
+            saturation: true,
+        },
+        sensors: Sensors {
+            v_x_noise_m_per_s: 0.02,
+            r_noise_rad_per_s: 0.002,
+            v_x_bias_m_per_s: 0.01,
+            r_bias_rad_per_s: 0.001,
+        },
+    };
+}

@@ -1,0 +1,92 @@
+//! One drive through the packaged FMUs.
+
+use super::drive::Drive;
+use super::fault;
+use super::gust;
+use super::manoeuvre::Course;
+use super::outcome::{Observation, Outcome};
+use super::settings::Subject;
+use crate::cosimulation::{CosimulationError, Excitation, Rig, Sample};
+use crate::importer::{Fmu, Type};
+
+/// What the drives need: both FMUs and the design under test.
+pub struct TestBench {
+    /// The detector.
+    pub detector: Fmu,
+    /// The plant.
+    pub plant: Fmu,
+    /// The design under test.
+    pub subject: Subject,
+}
+
+impl TestBench {
+    /// Drives `drive`; `record` is handed each sample.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] at the first call that an FMU refuses.
+    pub fn run(
+        &self,
+        drive: &Drive,
+        mut record: impl FnMut(&Sample),
+    ) -> Result<Outcome, CosimulationError> {
+        let step_s = self.subject.period_s;
+        let steps = libm::round(drive.duration_s / step_s) as u32;
+        let course = Course::of(drive, &self.subject);
+        let mut rig = Rig::new(&self.detector, &self.plant)?;
+        self.set_up(&mut rig, drive)?;
+        rig.initialise(drive.duration_s, &excitation(drive, &course, 0.0, drive.speed_m_per_s))?;
+
+        let mut observation = Observation::default();
+        for k in 0..steps {
+            let time_s = f64::from(k) * step_s;
+            let excite = |[v_x, _]: [f64; 2]| excitation(drive, &course, time_s, v_x);
+            let sample = rig.step(time_s, step_s, excite)?;
+            observation.add(&sample);
+            record(&sample);
+        }
+        rig.terminate()?;
+        Ok(observation.outcome(step_s, drive.onset_s))
+    }
+
+    /// Gives the plant the vehicle, road, tyres and sensors of `drive`.
+    fn set_up(&self, rig: &mut Rig, drive: &Drive) -> Result<(), CosimulationError> {
+        let nominal = &self.subject.vehicle;
+        let reals = [
+            ("initial.v_x", drive.speed_m_per_s),
+            ("vehicle.M_v", drive.mass_kg),
+            // I_e is mass times wheel radius.
+            (
+                "vehicle.I_e",
+                nominal.effective_longitudinal_inertia_kg_m * drive.mass_kg / nominal.mass_kg,
+            ),
+            ("vehicle.I_z", drive.yaw_inertia_kg_m2),
+            ("vehicle.C_f", drive.front_cornering_stiffness_n_per_rad),
+            ("vehicle.C_r", drive.rear_cornering_stiffness_n_per_rad),
+            ("tyre.friction", drive.friction.unwrap_or(1.0)),
+            ("road.bank", drive.bank_deg.to_radians()),
+            ("noise.v_x", drive.v_x_noise_m_per_s),
+            ("noise.r", drive.r_noise_rad_per_s),
+            ("noise.sample_period", self.subject.period_s),
+        ];
+        rig.plant
+            .set_real(self.plant.reals(reals.map(|(name, _)| name))?, reals.map(|(_, x)| x))?;
+        let limited = self.plant.variable("tyre.friction_limited", Type::Boolean)?;
+        rig.plant.set_boolean([limited], [drive.friction.is_some().into()])?;
+        let seed = self.plant.variable("noise.seed", Type::Integer)?;
+        rig.plant.set_integer([seed], [drive.noise_seed])?;
+        Ok(())
+    }
+}
+
+/// What acts at time `t` at the speed `v_x` that the plant gives.
+fn excitation(drive: &Drive, course: &Course, t: f64, v_x: f64) -> Excitation {
+    let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, t, v_x);
+    Excitation {
+        drive_torque: course.drive_torque_n_m(t, v_x),
+        steering_angle: course.steering_rad(t),
+        fault: fault::angle_rad(drive, t, |t| course.steering_rad(t)),
+        side_force,
+        yaw_moment,
+        sensor_bias: [drive.v_x_bias_m_per_s, drive.r_bias_rad_per_s],
+    }
+}

@@ -1,0 +1,122 @@
+//! Drives of a campaign from inside the process.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use steerguard::campaign::drive::Drive;
+use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
+use steerguard::campaign::simulation::TestBench;
+use steerguard::cosimulation::Sample;
+use steerguard::importer::Fmu;
+use steerguard::package::{detector_fmu, plant_fmu};
+use steerguard::runtime::Runtimes;
+use steerguard_detector::{Interval, Vehicle};
+
+const SUBJECT: Subject = Subject {
+    vehicle: Vehicle::PAPER,
+    period_s: 0.01,
+    armed_v_x: Interval::new(5.5, 29.5),
+    lateral_acceleration_m_per_s2: 3.0,
+    steering_rate_rad_per_s: 0.3,
+    smallest_fault_deg: 0.5,
+};
+
+const SETTINGS: Settings = Settings {
+    seed: 1,
+    drives: 30,
+    duration_s: 10.0,
+    faults: FaultMix::Mixed,
+    fault_deg: [0.1, 2.0],
+    uncertainty: Uncertainty {
+        parameters_percent: 10.0,
+        bank_deg: 3.0,
+        gust_m_per_s: 10.0,
+        saturation: true,
+    },
+    sensors: Sensors {
+        v_x_noise_m_per_s: 0.02,
+        r_noise_rad_per_s: 0.002,
+        v_x_bias_m_per_s: 0.01,
+        r_bias_rad_per_s: 0.001,
+    },
+};
+
+fn bench() -> TestBench {
+    let open = |bytes: Vec<u8>| {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes).unwrap();
+        Fmu::open(file.path()).unwrap()
+    };
+    TestBench {
+        detector: open(detector_fmu(&common::design(), &Runtimes::detector()).unwrap()),
+        plant: open(plant_fmu(&Runtimes::plant()).unwrap()),
+        subject: SUBJECT,
+    }
+}
+
+/// A drive allocates to set up, and where the detector logs an event: nothing a step.
+#[test]
+fn steps_allocate_nothing() {
+    let bench = bench();
+    let settings = Settings {
+        faults: FaultMix::None,
+        uncertainty: Uncertainty::NOMINAL,
+        sensors: Sensors { v_x_noise_m_per_s: 1e-5, r_noise_rad_per_s: 1e-6, ..SETTINGS.sensors },
+        ..SETTINGS
+    };
+    let mut quiet_drives = 0;
+    for index in 0..SETTINGS.drives {
+        let run = |duration_s| {
+            let drive = Drive { duration_s, ..Drive::draw(&settings, &SUBJECT, index) };
+            let (mut steps, mut events, mut last) = (0, 0, (false, 2));
+            let allocated = allocation_counter::measure(|| {
+                let record = |sample: &Sample| {
+                    steps += 1;
+                    events += u32::from((sample.alarm, sample.state) != last);
+                    last = (sample.alarm, sample.state);
+                };
+                bench.run(&drive, record).unwrap();
+            });
+            (steps, events, allocated.count_total)
+        };
+        let (few, _, set_up) = run(0.01);
+        let (many, events, all) = run(10.0);
+        assert_eq!((few, many), (1, 1000));
+        if events == 0 {
+            quiet_drives += 1;
+            assert_eq!(all, set_up, "drive {index}");
+        }
+    }
+    assert!(quiet_drives >= 3, "{quiet_drives}");
+}
+
+/// What the detector is given is what the drive says.
+#[test]
+fn samples_carry_what_the_drive_describes() {
+    let bench = bench();
+    let drives = (0..200).map(|index| Drive::draw(&SETTINGS, &SUBJECT, index));
+    for drive in drives.filter(|drive| drive.fault_deg.is_some()).take(20) {
+        let onset_s = drive.onset_s.unwrap();
+        let quiet = Drive {
+            v_x_noise_m_per_s: 0.0,
+            r_noise_rad_per_s: 0.0,
+            v_x_bias_m_per_s: 0.5,
+            r_bias_rad_per_s: -0.01,
+            ..drive
+        };
+        let mut samples = Vec::new();
+        bench.run(&quiet, |sample| samples.push(*sample)).unwrap();
+        let first = samples[0];
+        assert!((first.v_x - quiet.speed_m_per_s - 0.5).abs() < 1e-12);
+        assert!((first.r + 0.01).abs() < 1e-12);
+        for sample in samples {
+            if sample.time < onset_s {
+                assert_eq!(sample.fault, 0.0);
+            }
+            assert!(sample.fault.abs() <= quiet.fault_deg.unwrap().abs().to_radians() + 1e-15);
+            let wind = sample.side_force.abs();
+            assert!(wind <= 0.5 * 1.2 * 4.4 * 10.0 * (sample.v_x.powi(2) + 100.0).sqrt() + 1e-9);
+        }
+    }
+}
