@@ -7,23 +7,26 @@
 //! is largest at the lowest speed.
 //!
 //! # Conventions
-//! Inputs are held from sample to sample, the disturbances for an integration step. The drive torque
+//! Inputs are held from sample to sample, the disturbances for an integration step; the sensors' noise
+//! is that of the specification, white noise by a generator seeded with the drive's number. The drive torque
 //! is that of a speed control: cruise torque and I_e times the speed error a second.
 
-use std::f64::consts::{PI, TAU};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
-
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
 use steerguard_detector::{
     Configuration, ConfigurationError, Detector, Monitor, Vehicle, VehicleState, rk4,
 };
 
-use crate::spec::{Calibration, Manoeuvre, Spec};
+use crate::spec::{Calibration, Manoeuvre, Noise, Spec};
 
 /// Longest integration step, s.
 const INTEGRATION_STEP_S: f64 = 1e-3;
+/// Drives between two reports of progress.
+const DRIVES_AT_A_TIME: usize = 128;
 /// When the manoeuvres that are not periodic begin, s.
 const MANOEUVRE_START_S: f64 = 1.0;
 
@@ -51,6 +54,13 @@ pub struct Wave {
     pub phase_rad: f64,
     /// Sign of each disturbance.
     pub signs: Vec<f64>,
+}
+
+impl Wave {
+    /// Its value at time `t`, in [-1, 1].
+    fn at(&self, t: f64) -> f64 {
+        (TAU * self.hz * t + self.phase_rad).cos()
+    }
 }
 
 /// The largest level, and where it was met.
@@ -152,47 +162,28 @@ pub fn calibrate(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Option<Level>, ConfigurationError> {
     let detector = Detector::new(configuration)?;
-    let next = AtomicUsize::new(0);
-    let workers = thread::available_parallelism().map_or(1, usize::from);
-    let (sender, results) = mpsc::channel();
-
-    let mut largest: Option<(f64, usize)> = None;
-    let (mut monitored, mut samples) = (0, 0);
-    thread::scope(|scope| {
-        for _ in 0..workers {
-            let (next, sender) = (&next, sender.clone());
-            scope.spawn(move || {
-                while let index = next.fetch_add(1, Ordering::Relaxed)
-                    && let Some(drive) = drives.get(index)
-                {
-                    // The receiver outlives the workers.
-                    let _ = sender.send((index, run(spec, detector, drive)));
-                }
-            });
-        }
-        drop(sender);
-        for (done, (index, outcome)) in results.iter().enumerate() {
-            monitored += outcome.monitored;
-            samples += outcome.samples;
-            if let Some(level) = outcome.level {
-                // Of equal levels the first drive's: the order of completion does not matter.
-                let replaces = largest.is_none_or(|(largest, first)| {
-                    level > largest || (level == largest && index < first)
-                });
-                if replaces {
-                    largest = Some((level, index));
-                }
-            }
-            progress(done + 1);
-        }
-    });
-    Ok(largest.and_then(|(level, index)| {
-        Some(Level {
-            level,
-            worst: drives.get(index)?.clone(),
-            drives: drives.len(),
-            monitored: monitored as f64 / samples as f64,
-        })
+    let mut outcomes = Vec::with_capacity(drives.len());
+    for part in drives.chunks(DRIVES_AT_A_TIME) {
+        let done = outcomes.len();
+        let drives = part.par_iter().enumerate();
+        outcomes.par_extend(drives.map(|(k, drive)| run(spec, detector, drive, done + k)));
+        progress(outcomes.len());
+    }
+    // Of equal levels the first drive's.
+    let largest = outcomes.iter().zip(drives).fold(
+        None,
+        |largest: Option<(f64, &Drive)>, (x, drive)| match (x.level, largest) {
+            (Some(level), Some((most, _))) if level <= most => largest,
+            (Some(level), _) => Some((level, drive)),
+            (None, _) => largest,
+        },
+    );
+    let sum = |of: fn(&Outcome) -> u64| outcomes.iter().map(of).sum::<u64>() as f64;
+    Ok(largest.map(|(level, worst)| Level {
+        level,
+        worst: worst.clone(),
+        drives: drives.len(),
+        monitored: sum(|x| x.monitored) / sum(|x| x.samples),
     }))
 }
 
@@ -204,14 +195,15 @@ struct Outcome {
     samples: u64,
 }
 
-/// Simulates one drive.
-fn run(spec: &Spec, mut detector: Detector, drive: &Drive) -> Outcome {
+/// Simulates drive number `index`, which seeds its sensor noise.
+fn run(spec: &Spec, mut detector: Detector, drive: &Drive, index: usize) -> Outcome {
     let vehicle = &spec.vehicle;
     let t_s = spec.sampling.period_s;
     let steps = (t_s / INTEGRATION_STEP_S).ceil().max(1.0);
     let step = t_s / steps;
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
     let steady_threshold = detector.state.output.j_th;
+    let mut noise = SensorNoise::new(&spec.noise, index);
 
     let mut x = [drive.v_x_m_per_s, drive.v_y_m_per_s, 0.0];
     let mut outcome = Outcome { level: None, monitored: 0, samples };
@@ -221,7 +213,9 @@ fn run(spec: &Spec, mut detector: Detector, drive: &Drive) -> Outcome {
             + vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
         let delta = steering(spec, drive, t);
 
-        let output = detector.sample([x[0], x[2]], [t_eng, delta]);
+        let wave = drive.disturbance.at(t);
+        let measured = [x[0] + noise.next(0, wave), x[2] + noise.next(1, wave)];
+        let output = detector.sample(measured, [t_eng, delta]);
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
             let start_up_term = output.j_th - steady_threshold;
@@ -236,15 +230,37 @@ fn run(spec: &Spec, mut detector: Detector, drive: &Drive) -> Outcome {
     outcome
 }
 
+/// Sensor noise of one drive: white, and what is bounded at its bound along the disturbances' wave.
+struct SensorNoise {
+    generator: ChaCha8Rng,
+    white_std: [f64; 2],
+    bounds: [f64; 2],
+}
+
+impl SensorNoise {
+    fn new(noise: &Noise, drive: usize) -> Self {
+        Self {
+            generator: ChaCha8Rng::seed_from_u64(drive as u64),
+            white_std: noise.white_std(),
+            bounds: noise.bounds().map(|bound| bound.unwrap_or(0.0)),
+        }
+    }
+
+    /// Noise of the next sample of a signal.
+    fn next(&mut self, signal: usize, wave: f64) -> f64 {
+        let white: f64 = StandardNormal.sample(&mut self.generator);
+        self.white_std[signal] * white + self.bounds[signal] * wave
+    }
+}
+
 fn plus(a: VehicleState, b: VehicleState) -> VehicleState {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// Effect of the disturbances on the state's derivative at time `t`, every one at its bound.
 fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> VehicleState {
-    let Wave { hz, phase_rad, signs } = &drive.disturbance;
-    let wave = (TAU * hz * t + phase_rad).cos();
-    let channels = spec.disturbance.iter().zip(signs);
+    let wave = drive.disturbance.at(t);
+    let channels = spec.disturbance.iter().zip(&drive.disturbance.signs);
     channels.fold([0.0; 3], |sum, (disturbance, sign)| {
         let amplitude = sign * disturbance.bound() * wave;
         plus(sum, disturbance.direction(&spec.vehicle).map(|x| amplitude * x))

@@ -23,8 +23,6 @@
 //!   [`crate::operating_point`].
 //! - What is found here is a claim. `steerguard_verify` proves it, in exact arithmetic.
 
-use std::thread;
-
 use clarabel::solver::{SolverError, SolverStatus};
 use serde::{Deserialize, Serialize};
 use steerguard_detector::RULES;
@@ -32,7 +30,7 @@ use steerguard_detector::RULES;
 use crate::band::Band;
 use crate::certificate::{ErrorDynamics, error_dynamics};
 use crate::channel::{Channel, beside};
-use crate::frequency::{Frozen, Inputs};
+use crate::frequency::{Frozen, Inputs, discrete_lyapunov};
 use crate::gains::{ObserverGains, rows};
 use crate::lmi::{self, Affine, Matrix, Variables, smallest_eigenvalue};
 use crate::theorem4::{Theorem4, for_all, matrix};
@@ -129,6 +127,9 @@ pub enum NoCertificate {
     /// The solver's points do not satisfy them.
     #[error("the solver's best point misses an inequality: smallest eigenvalue {0:.1e}")]
     Margin(f64),
+    /// The error has no basis of its own.
+    #[error("the error's covariance is singular to working precision")]
+    Basis,
     /// The solver refused the problem.
     #[error(transparent)]
     Solver(#[from] SolverError),
@@ -145,21 +146,15 @@ pub fn certified(
     inputs: &Inputs,
 ) -> Result<(CertifiedFigures, APosteriori), NoCertificate> {
     let error = |channel: &Channel| Error::new(theorem, gains, channel);
-    let largest = |channel: &Channel| {
-        certify(&error(channel), channel.band, Gain::Largest, frozen.gamma)
-    };
-    let (beta_and_full, gamma) = thread::scope(|scope| {
-        let beta_and_full = scope.spawn(|| {
-            let beta =
-                certify(&error(&theorem.fault), theorem.fault.band, Gain::Smallest, frozen.beta)?;
-            Ok((beta, largest(&Channel::stacked(&theorem.disturbances))?))
-        });
-        let gamma: Result<Vec<_>, _> = theorem.disturbances.iter().map(largest).collect();
-        (beta_and_full.join(), gamma)
-    });
-    let (beta, gamma_full_band) =
-        beta_and_full.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-    let gamma = gamma?;
+    let largest =
+        |channel: &Channel| certify(&error(channel), channel.band, Gain::Largest, frozen.gamma);
+    let smallest =
+        || certify(&error(&theorem.fault), theorem.fault.band, Gain::Smallest, frozen.beta);
+    let (gamma, (beta, gamma_full_band)) = rayon::join(
+        || theorem.disturbances.iter().map(largest).collect::<Result<Vec<_>, _>>(),
+        || (smallest(), largest(&Channel::stacked(&theorem.disturbances))),
+    );
+    let (beta, gamma, gamma_full_band) = (beta?, gamma?, gamma_full_band?);
     let total = gamma.iter().map(|block| block.gain).fold(0.0, f64::hypot) * (1.0 + ROUNDING);
     let figures = CertifiedFigures {
         beta: beta.gain,
@@ -249,6 +244,53 @@ impl Error {
     }
 }
 
+impl Error {
+    /// A basis in which the error that the inputs cause is of magnitude one in all directions:
+    /// the root of its covariance under white inputs, at the mean of the vertices. The solver's
+    /// numbers are then of one magnitude, whatever the gains.
+    fn natural_basis(&self) -> Matrix {
+        let inputs = self.inputs();
+        let count = (self.courses.len() * RULES) as f64;
+        let sum = |sum: Matrix, x: &Matrix| sum + x;
+        let zero = Matrix::zeros(3, 6 + inputs);
+        let mean = self.courses.iter().flatten().fold(zero, sum) / count;
+        let n = mean.fixed_view::<3, 3>(0, 0).into_owned();
+        let b = mean.columns(3, inputs);
+        let radius = n.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let n = n * f64::min(1.0, 0.99 / radius);
+        let driven = (b * b.transpose()).fixed_view::<3, 3>(0, 0).into_owned();
+        let mut covariance = discrete_lyapunov(&n, &driven).unwrap_or_default();
+        for k in 0..3 {
+            covariance[(k, k)] = 1.01 * covariance[(k, k)] + 1e-4;
+        }
+        match covariance.cholesky() {
+            Some(root) => Matrix::from_iterator(3, 3, root.l().iter().copied()),
+            None => Matrix::identity(3, 3),
+        }
+    }
+
+    /// The same with e counted in a basis.
+    fn in_basis(&self, basis: &Matrix, inverse: &Matrix) -> Self {
+        let next = 3 + self.inputs();
+        let of_course = |x: &Matrix| {
+            // e+ stays [.., -I]: inverse (-I) basis.
+            let mut x = inverse * x;
+            for of_error in [0, next] {
+                let block = x.columns(of_error, 3) * basis;
+                x.columns_mut(of_error, 3).copy_from(&block);
+            }
+            x
+        };
+        let mut output = self.output.clone();
+        let of_error = output.columns(0, 3) * basis;
+        output.columns_mut(0, 3).copy_from(&of_error);
+        Self {
+            courses: self.courses.iter().map(|course| course.each_ref().map(of_course)).collect(),
+            output,
+        }
+    }
+}
+
 /// The best `gain` that can be certified over `band`, and its matrices; `expected` gives its
 /// magnitude.
 ///
@@ -261,16 +303,27 @@ pub fn certify(
     expected: f64,
 ) -> Result<GainCertificate, NoCertificate> {
     let unit = if expected.is_normal() { expected } else { error.output.norm() };
-    let problem = Problem { error: error.in_unit(unit), band, gain };
+    let scaled = error.in_unit(unit);
+    let basis = scaled.natural_basis();
+    let inverse = basis.clone().try_inverse().ok_or(NoCertificate::Basis)?;
+    let problem = Problem { error: scaled.in_basis(&basis, &inverse), band, gain };
     let point = problem.best()?;
 
-    // Back to the input's own unit: a congruence, which scales the input's rows of X.
+    // Back to the input's own unit and the error's own basis: congruences.
+    let symmetric = |x: &Matrix| {
+        let x = inverse.transpose() * x * &inverse;
+        rows(&((&x + x.transpose()) / 2.0))
+    };
     let rows_of_x = |x: &Matrix| {
-        let mut x = x.clone();
+        let mut x = x * &inverse;
         x.rows_mut(3, error.inputs()).scale_mut(unit);
+        for of_error in [0, 3 + error.inputs()] {
+            let block = inverse.transpose() * x.rows(of_error, 3);
+            x.rows_mut(of_error, 3).copy_from(&block);
+        }
         x.row_iter().map(|row| [row[0], row[1], row[2]]).collect()
     };
-    let in_band = |two_cos_theta| BandCertificate { two_cos_theta, q: rows(&point.q) };
+    let in_band = |two_cos_theta| BandCertificate { two_cos_theta, q: symmetric(&point.q) };
     Ok(GainCertificate {
         gain: point.squared.sqrt() * unit,
         band: match band {
@@ -278,7 +331,7 @@ pub fn certify(
             Band::High(theta) => Some(in_band(2.0 * theta.cos() + COSINE_ROUNDING)),
             Band::Full => None,
         },
-        p: point.p.each_ref().map(rows),
+        p: point.p.each_ref().map(symmetric),
         x: point.x.each_ref().map(|x| x.each_ref().map(rows_of_x)),
     })
 }
@@ -370,18 +423,14 @@ impl Problem {
         let mut inequalities = with_margin(&conditions[0]);
         inequalities.push(Affine::number(LARGEST_MARGIN) - &margin);
         let further = with_margin(&conditions[1]);
-        let solution = lmi::minimise_with_cuts(
-            &variables,
-            &objective,
-            inequalities,
-            further,
-            MARGIN / 2.0,
-        )?;
+        let solution =
+            lmi::minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
         let at = |expression: &Affine| expression.at(&solution.x);
         if !solution.is_candidate() || at(&squared)[0] <= 0.0 {
             return Err(NoCertificate::Status(solution.status, solution.iterations));
         }
-        let eigenvalues = conditions.iter().flatten().map(|condition| smallest_eigenvalue(&at(condition)));
+        let eigenvalues =
+            conditions.iter().flatten().map(|condition| smallest_eigenvalue(&at(condition)));
         Ok(Point {
             squared: at(&squared)[0],
             margin: eigenvalues.fold(f64::INFINITY, f64::min),
@@ -414,16 +463,15 @@ impl Problem {
         let inputs = error.inputs();
         let mut square = Matrix::zeros(3 + inputs, 3 + inputs);
         square.view_mut((3, 3), (inputs, inputs)).fill_with_identity();
-        let weighted = Affine::from(error.output.transpose() * &error.output) - squared.times(&square);
+        let weighted =
+            Affine::from(error.output.transpose() * &error.output) - squared.times(&square);
         let weighted = match gain {
             Gain::Largest => weighted,
             Gain::Smallest => -weighted,
         };
         let zero = Affine::zeros;
-        let quadratic = Affine::blocks([
-            [weighted, zero(3 + inputs, 3)],
-            [zero(3, 3 + inputs), zero(3, 3)],
-        ]);
+        let quadratic =
+            Affine::blocks([[weighted, zero(3 + inputs, 3)], [zero(3, 3 + inputs), zero(3, 3)]]);
         let mut inequalities = [vec![q.clone()], Vec::new()];
         for (vertex, course) in error.courses.iter().enumerate() {
             let inequalities = &mut inequalities[usize::from(vertex >= FIRST_VERTICES)];

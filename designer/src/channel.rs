@@ -130,8 +130,7 @@ pub fn premise_sensitivity_vertices(model: &TsModel) -> Vec<Matrix> {
 fn k(model: &TsModel, speed: OfSpeed, v_y: f64, r: f64) -> Matrix {
     let v = &model.vehicle;
     let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
-    let (c_f, c_r) =
-        (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
+    let (c_f, c_r) = (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
     let (mass, yaw_inertia) = (v.mass_kg, v.yaw_inertia_kg_m2);
     let force = 2.0 * (c_f + c_r) / mass;
     let coupling = 2.0 * (c_r * l_r - c_f * l_f);

@@ -48,8 +48,6 @@ pub enum Step {
     },
     /// The gains' refinement.
     Refine,
-    /// Gains at frozen operating points.
-    Frozen,
     /// The gains' certificate.
     Certify,
     /// The bound on the start-up residual.
@@ -71,7 +69,6 @@ impl fmt::Display for Step {
             Self::Check => write!(f, "checking the inequalities"),
             Self::Search { done, of } => write!(f, "searching multipliers: {done} of {of}"),
             Self::Refine => write!(f, "refining the gains"),
-            Self::Frozen => write!(f, "evaluating frozen operating points"),
             Self::Certify => write!(f, "certifying the gains"),
             Self::StartUp => write!(f, "bounding the start-up"),
             Self::Calibration { done, of } => write!(f, "calibrating: drive {done} of {of}"),
@@ -180,10 +177,11 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             noise_rms: worth.noise_rms,
             frozen: FrozenRecord::new(worth.frozen, inputs.smallest_fault, inputs.bound),
             certified,
-            norm: "2-norm of the stacked disturbances of a band, each in proportion to its bound, to \
+            norm:
+                "2-norm of the stacked disturbances of a band, each in proportion to its bound, to \
                    the 2-norm of the weighted residual; of several bands the root of the sum of \
                    squares"
-                .into(),
+                    .into(),
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&matrix(&n))),
             smallest_fault_residual,
             operating_points: worth.points.clone(),
@@ -247,9 +245,10 @@ fn paper(
     progress(Step::Check);
     let Synthesis { gains, lyapunov, gamma, beta, .. } = &synthesis;
     let check = check(theorem, gains, lyapunov, *gamma, *beta);
+    progress(Step::Certify);
     Ok(Found {
         gains: *gains,
-        worth: Worth::of(gains, theorem, &spec.model(), inputs, progress),
+        worth: Worth::of(gains, theorem, &spec.model(), inputs),
         p_s: lyapunov.p_s.clone(),
         check: Some(check),
         theorem: theorem.clone(),
@@ -301,8 +300,7 @@ fn other_faults(
     let channels = spec.fault_channels()?;
     let others = spec.fault.iter().zip(channels).skip(1);
     let figures = others.map(|(fault, channel)| {
-        let inputs =
-            Inputs { fault: channel, smallest_fault: fault.smallest(), ..inputs.clone() };
+        let inputs = Inputs { fault: channel, smallest_fault: fault.smallest(), ..inputs.clone() };
         let frozen = frozen(&points, &gains.gains, &inputs);
         let limits = points.iter().filter_map(|point| limit(point, &inputs));
         let noise_rms = worth.noise_rms;

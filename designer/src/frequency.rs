@@ -79,7 +79,8 @@ pub struct PointFigures {
 /// The figures at an operating point.
 pub fn at_point(point: &OperatingPoint, gains: &Gains, inputs: &Inputs) -> PointFigures {
     let error = FrozenError::new(point, gains, inputs.weights);
-    let [beta, gamma] = [gain(&error, &inputs.fault).smallest, total(&error, inputs, |x| x.largest)];
+    let [beta, gamma] =
+        [gain(&error, &inputs.fault).smallest, total(&error, inputs, |x| x.largest)];
     let noise_rms = noise_rms(&error, inputs.white_std);
     let [v_x_m_per_s, v_y_m_per_s, r_rad_per_s] = point.state;
     PointFigures {
@@ -137,16 +138,13 @@ pub fn noise_rms(error: &FrozenError, white_std: [f64; 2]) -> f64 {
     let Some(covariance) = discrete_lyapunov(&error.n, &(b * b.transpose())) else {
         return f64::INFINITY;
     };
-    let variance = (error.output * covariance * error.output.transpose()).trace()
-        + feedthrough.norm_squared();
+    let variance =
+        (error.output * covariance * error.output.transpose()).trace() + feedthrough.norm_squared();
     if variance >= 0.0 { variance.sqrt() } else { f64::INFINITY }
 }
 
 /// X of `X = N X N' + Y`; none where it has no unique solution.
-pub(crate) fn discrete_lyapunov(
-    n: &Matrix3<f64>,
-    y: &Matrix3<f64>,
-) -> Option<Matrix3<f64>> {
+pub(crate) fn discrete_lyapunov(n: &Matrix3<f64>, y: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let map = SMatrix::<f64, 9, 9>::identity() - n.kronecker(n);
     let x = map.lu().solve(&SVector::<f64, 9>::from_iterator(y.iter().copied()))?;
     Some(Matrix3::from_iterator(x.iter().copied()))
@@ -217,10 +215,8 @@ fn gain(error: &FrozenError, input: &Channel) -> Gain {
     // A chord is shorter than its arc.
     let distance = (to - from) / f64::from(FREQUENCIES) / 2.0;
     let output = error.output.map(Complex::from);
-    let columns: Vec<_> = error
-        .inputs(input)
-        .map(|(b, d)| (b.map(Complex::from), d.map(Complex::from)))
-        .collect();
+    let columns: Vec<_> =
+        error.inputs(input).map(|(b, d)| (b.map(Complex::from), d.map(Complex::from))).collect();
     let b = DMatrix::from_fn(3, columns.len(), |row, column| columns[column].0[row]);
 
     let unknown =

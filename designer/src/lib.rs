@@ -35,8 +35,9 @@ pub mod worth;
 pub use certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::{DesignError, Step, design};
 pub use design_file::{
-    AttenuationRecord, Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign, FORMAT, FaultFigures, FrozenRecord,
-    LargestBeta, Performance, Rows3, Rule, StartUpRecord, SynthesisRecord,
+    AttenuationRecord, Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign,
+    FORMAT, FaultFigures, FrozenRecord, LargestBeta, Performance, Rows3, Rule, StartUpRecord,
+    SynthesisRecord,
 };
 pub use infeasible::Obstacle;
 pub use spec::Spec;

@@ -121,13 +121,11 @@ impl FrozenError {
     }
 
     /// Column of the input and of the feedthrough for every input of `channel`.
-    pub fn inputs(
-        &self,
-        channel: &Channel,
-    ) -> impl Iterator<Item = (Vector3<f64>, Vector2<f64>)> {
-        let direct = channel.direction.column_iter().map(|d| {
-            (self.m * Vector3::from_iterator(d.iter().copied()), Vector2::zeros())
-        });
+    pub fn inputs(&self, channel: &Channel) -> impl Iterator<Item = (Vector3<f64>, Vector2<f64>)> {
+        let direct = channel
+            .direction
+            .column_iter()
+            .map(|d| (self.m * Vector3::from_iterator(d.iter().copied()), Vector2::zeros()));
         let noise = channel.noise.column_iter().map(|d_y| {
             let d_y = Vector2::from_iterator(d_y.iter().copied());
             (self.from_noise * d_y, self.feedthrough * d_y)

@@ -465,10 +465,11 @@ impl Spec {
 
     fn check_noise(&self) -> Result<(), SpecError> {
         let noise = &self.noise;
-        for (((signal, unit), white_std), (bound, band_hz)) in [("v_x", "m_per_s"), ("r", "rad_per_s")]
-            .into_iter()
-            .zip(noise.white_std())
-            .zip(noise.bounds().into_iter().zip(noise.bands_hz()))
+        for (((signal, unit), white_std), (bound, band_hz)) in
+            [("v_x", "m_per_s"), ("r", "rad_per_s")]
+                .into_iter()
+                .zip(noise.white_std())
+                .zip(noise.bounds().into_iter().zip(noise.bands_hz()))
         {
             let key = format!("noise.{signal}");
             Allowed::NOT_NEGATIVE.check(&format!("{key}.white_std_{unit}"), white_std)?;

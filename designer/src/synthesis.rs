@@ -157,7 +157,7 @@ pub fn solve(theorem: &Theorem4, goal: Goal) -> Result<Synthesis, NoSolution> {
         *inequality = &*inequality - &(Matrix::identity(order, order) * MARGIN).into();
     }
 
-    let solution = 
+    let solution =
         lmi::minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
     if !solution.is_candidate() {
         return Err(NoSolution::Status(solution.status, solution.iterations));

@@ -217,10 +217,14 @@ impl Theorem4 {
         });
         let zero = Affine::zeros;
         let quadratic = Affine::blocks([
-            [output - &Affine::blocks([
-                [zero(3, 3), zero(3, inputs)],
-                [zero(inputs, 3), attenuation.gamma_squared.times(&share)],
-            ]), zero(3 + inputs, 3)],
+            [
+                output
+                    - &Affine::blocks([
+                        [zero(3, 3), zero(3, inputs)],
+                        [zero(inputs, 3), attenuation.gamma_squared.times(&share)],
+                    ]),
+                zero(3 + inputs, 3),
+            ],
             [zero(3, 3 + inputs), zero(3, 3)],
         ]);
         let from_d = &x.rm * direction;

@@ -3,7 +3,6 @@
 use steerguard_detector::TsModel;
 
 use crate::certified::{APosteriori, CertifiedFigures, certified};
-use crate::design::Step;
 use crate::frequency::{Frozen, Inputs, PointFigures, at_point, detection_ratio, frozen};
 use crate::gains::ObserverGains;
 use crate::operating_point::OperatingPoint;
@@ -24,20 +23,12 @@ pub struct Worth {
 
 impl Worth {
     /// The figures of `gains`.
-    pub fn of(
-        gains: &ObserverGains,
-        theorem: &Theorem4,
-        model: &TsModel,
-        inputs: &Inputs,
-        progress: &mut dyn FnMut(Step),
-    ) -> Self {
-        progress(Step::Frozen);
+    pub fn of(gains: &ObserverGains, theorem: &Theorem4, model: &TsModel, inputs: &Inputs) -> Self {
         let points = OperatingPoint::grid(model);
         let frozen = frozen(&points, &gains.gains, inputs);
         let points: Vec<_> =
             points.iter().map(|point| at_point(point, &gains.gains, inputs)).collect();
         let noise_rms = points.iter().map(|x| x.noise_rms).fold(0.0, f64::max);
-        progress(Step::Certify);
         let certified = certified(theorem, gains, &frozen, inputs).ok();
         Self { points, frozen, noise_rms, certified }
     }
