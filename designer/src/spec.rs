@@ -39,7 +39,7 @@ pub struct Spec {
     pub fault: Vec<Fault>,
     /// Disturbances.
     pub disturbance: Vec<Disturbance>,
-    /// Sensor noise.
+    /// Sensor noise; the default is that of a wheel-speed and a yaw-rate sensor of a production car.
     pub noise: Noise,
     /// How the gains are found.
     pub design: Method,
@@ -134,7 +134,7 @@ impl Default for Sampling {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Method {
-    /// Which method; default "paper".
+    /// Which method; default "gap".
     pub method: MethodName,
     /// Disturbance attenuation to hold: residual per unit of the first disturbance, the others
     /// counted in proportion to their bounds; default 0.8.
@@ -157,7 +157,7 @@ pub struct Method {
 impl Default for Method {
     fn default() -> Self {
         Self {
-            method: MethodName::Paper,
+            method: MethodName::Gap,
             gamma: 0.8,
             alpha_d: 2.0,
             alpha_f: 1.0,
@@ -204,7 +204,8 @@ pub enum VName {
 pub struct Evaluation {
     /// Window of the RMS; default 40.
     pub window_samples: usize,
-    /// Diagonal of W_r for the residuals of v_x (per m/s) and r (per rad/s); default [1, 1].
+    /// Diagonal of W_r for the residuals of v_x (per m/s) and r (per rad/s); default [0.1, 1], the
+    /// inverse proportion of their noise.
     pub weights: [f64; 2],
     /// How the threshold is found; default "calibrated".
     pub threshold: ThresholdKind,
@@ -220,7 +221,7 @@ impl Default for Evaluation {
     fn default() -> Self {
         Self {
             window_samples: 40,
-            weights: [1.0, 1.0],
+            weights: [0.1, 1.0],
             threshold: ThresholdKind::Calibrated,
             margin: 1.25,
             debounce_samples: 1,
@@ -294,7 +295,7 @@ pub enum Manoeuvre {
 }
 
 impl Default for Spec {
-    /// The paper's case.
+    /// The paper's vehicle and disturbance, sensors with noise, and method "gap".
     fn default() -> Self {
         Self {
             vehicle: Vehicle::PAPER,

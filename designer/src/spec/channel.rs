@@ -183,10 +183,10 @@ pub struct Noise {
 }
 
 /// `[noise.v_x]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpeedNoise {
-    /// Standard deviation of a sample, white; default 0.
+    /// Standard deviation of a sample, white; default 0.02.
     pub white_std_m_per_s: f64,
     /// Largest magnitude; default none.
     pub bound_m_per_s: Option<f64>,
@@ -195,15 +195,27 @@ pub struct SpeedNoise {
 }
 
 /// `[noise.r]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct YawRateNoise {
-    /// Standard deviation of a sample, white; default 0.
+    /// Standard deviation of a sample, white; default 0.002.
     pub white_std_rad_per_s: f64,
     /// Largest magnitude; default none.
     pub bound_rad_per_s: Option<f64>,
     /// Frequency range of what is bounded; default all.
     pub band_hz: Option<[f64; 2]>,
+}
+
+impl Default for SpeedNoise {
+    fn default() -> Self {
+        Self { white_std_m_per_s: 0.02, bound_m_per_s: None, band_hz: None }
+    }
+}
+
+impl Default for YawRateNoise {
+    fn default() -> Self {
+        Self { white_std_rad_per_s: 0.002, bound_rad_per_s: None, band_hz: None }
+    }
 }
 
 impl Noise {
