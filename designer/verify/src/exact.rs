@@ -81,6 +81,16 @@ impl Matrix {
         Self { numerators: blocks.iter().flat_map(beside).collect(), denominator }
     }
 
+    /// The columns of this matrix, then those of another of the same height.
+    pub fn beside(&self, right: &Self) -> Self {
+        Self::blocks(&[&[self, right]])
+    }
+
+    /// A column.
+    pub fn column(&self, column: usize) -> Self {
+        Self::new(self.height(), 1, |row, _| self.at(row, column))
+    }
+
     /// Number of rows.
     pub fn height(&self) -> usize {
         self.numerators.len()
@@ -101,6 +111,11 @@ impl Matrix {
         let row = |row: usize| self.numerators.iter().map(|x| x[row].clone()).collect();
         let numerators = (0..self.width()).map(row).collect();
         Self { numerators, denominator: self.denominator.clone() }
+    }
+
+    /// `X' X`.
+    pub fn squared(&self) -> Self {
+        &self.transpose() * self
     }
 
     /// `He(X) = X + X'`.

@@ -35,10 +35,15 @@ pub struct Design {
     pub g: [[f64; 1]; 3],
     #[serde(rename = "C")]
     pub c: [[f64; 3]; 2],
+    /// A column of each disturbance.
     #[serde(rename = "D")]
     pub d: [Vec<f64>; 3],
+    /// A column of each bounded sensor noise, in the order v_x, r.
+    #[serde(rename = "D_y")]
+    pub d_y: Option<[Vec<f64>; 2]>,
+    /// A column of each fault.
     #[serde(rename = "F")]
-    pub f: [[f64; 1]; 3],
+    pub f: [Vec<f64>; 3],
     #[serde(rename = "E")]
     pub e: [[f64; 2]; 3],
     #[serde(rename = "M")]
@@ -50,8 +55,9 @@ pub struct Design {
 
 #[derive(Deserialize)]
 pub struct Spec {
-    pub fault: [Fault; 1],
+    pub fault: Vec<Fault>,
     pub disturbance: Vec<Disturbance>,
+    pub noise: Noise,
 }
 
 #[derive(Deserialize)]
@@ -64,10 +70,30 @@ pub enum Fault {
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Disturbance {
-    SideWind { acting_ahead_m: f64, bound_m_per_s2: f64, band_hz: [f64; 2] },
-    Bank { bound_deg: f64, band_hz: [f64; 2] },
-    YawMoment { bound_n_m: f64, band_hz: [f64; 2] },
-    Direction { direction: [f64; 3], bound: f64, band_hz: [f64; 2] },
+    SideWind { name: String, acting_ahead_m: f64, bound_m_per_s2: f64, band_hz: [f64; 2] },
+    Bank { name: String, bound_deg: f64, band_hz: [f64; 2] },
+    YawMoment { name: String, bound_n_m: f64, band_hz: [f64; 2] },
+    Direction { name: String, direction: [f64; 3], bound: f64, band_hz: [f64; 2] },
+}
+
+#[derive(Deserialize)]
+pub struct Noise {
+    pub v_x: SpeedNoise,
+    pub r: YawRateNoise,
+}
+
+#[derive(Deserialize)]
+pub struct SpeedNoise {
+    pub bound_m_per_s: Option<f64>,
+    /// Null for all frequencies.
+    pub band_hz: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+pub struct YawRateNoise {
+    pub bound_rad_per_s: Option<f64>,
+    /// Null for all frequencies.
+    pub band_hz: Option<[f64; 2]>,
 }
 
 #[derive(Deserialize)]
@@ -79,6 +105,7 @@ pub struct Vehicle {
     pub rear_axle_distance_m: f64,
     pub front_cornering_stiffness_n_per_rad: f64,
     pub rear_cornering_stiffness_n_per_rad: f64,
+    pub longitudinal_drag_n_m_s2_per_m2: f64,
     pub lateral_drag_n_s2_per_m2: f64,
 }
 
@@ -140,12 +167,15 @@ pub struct Certificate {
 #[derive(Deserialize)]
 pub struct APosteriori {
     pub beta: GainCertificate,
-    pub gamma: GainCertificate,
+    /// For each band of the disturbances, see [`crate::channel::Channels`].
+    pub gamma: Vec<GainCertificate>,
     pub gamma_full_band: GainCertificate,
 }
 
 #[derive(Deserialize)]
 pub struct GainCertificate {
+    /// In the unit of the figure.
+    pub gain: f64,
     /// Null for the full band.
     pub band: Option<BandCertificate>,
     #[serde(rename = "P")]
@@ -182,8 +212,10 @@ impl Design {
             ("vehicle", &spec["vehicle"]),
             ("sampling_period_s", &spec["sampling"]["period_s"]),
             ("premise", &spec["operating_range"]),
+            ("evaluation.weights", &spec["evaluation"]["weights"]),
         ] {
-            if content[key] != *of_spec {
+            let pointer = format!("/{}", key.replace('.', "/"));
+            if content.pointer(&pointer) != Some(of_spec) {
                 return Err(Refusal::Contradiction { key: key.into() });
             }
         }
@@ -192,12 +224,21 @@ impl Design {
 
     /// D, 3 x n_d.
     pub fn d(&self) -> Result<Matrix, Refusal> {
-        let inputs = self.spec.disturbance.len();
-        if inputs == 0 || self.d.iter().any(|row| row.len() != inputs) {
-            return Err(Refusal::Shape { key: "D", expected: "a column of each disturbance" });
-        }
-        Ok(Matrix::new(3, inputs, |row, column| exact(self.d[row][column])))
+        columns(&self.d, self.spec.disturbance.len())
+            .ok_or(Refusal::Shape { key: "D", expected: "a column of each disturbance" })
     }
+
+    /// F, 3 x n_f.
+    pub fn f(&self) -> Result<Matrix, Refusal> {
+        columns(&self.f, self.spec.fault.len())
+            .ok_or(Refusal::Shape { key: "F", expected: "a column of each fault" })
+    }
+}
+
+/// The exact values of `rows` where each has `count` elements, one at least.
+pub fn columns(rows: &[Vec<f64>], count: usize) -> Option<Matrix> {
+    let fits = count > 0 && rows.iter().all(|row| row.len() == count);
+    fits.then(|| Matrix::new(rows.len(), count, |row, column| exact(rows[row][column])))
 }
 
 /// SHA-256, in hexadecimal, of a design's canonical text without its key `hash`: keys in the order

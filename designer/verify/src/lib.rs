@@ -5,22 +5,28 @@
 //! reads `design.json` and either proves it or says what is broken.
 //!
 //! # What is proven
-//! The error `e = x - x^` of the stored gains obeys `e+ = (N(h) + M G rho) e + M D d + M F f`,
-//! `r = C e`, for x and x^ in S_x, where h are the membership functions at the measured premise and
-//! rho lies between twice the ends of v_y's range. Matrices stored in the file prove, see
-//! [`Family`]: its decay; the smallest gain beta from a fault and the largest gain gamma from the
-//! disturbances among errors as slow as the stated band (METHOD.md 5.3); gamma for all frequencies;
-//! and the bound on the residual after a start.
+//! For x, x^ and the measured premise in S_x, the error of the stored gains obeys
+//! `e+ = N(h, rho) e + B w`, `W_r r = W_r C e + D_r w` (METHOD.md 3 and 5), with w the fault or
+//! the disturbances and bounded sensor noise of a band. Matrices stored in the file prove, see
+//! [`Family`]: its decay; the smallest gain beta from the first fault and the largest gain gamma
+//! from each band of the disturbances among errors as slow as the band (METHOD.md 5.3); gamma of
+//! all disturbances for all frequencies; and the bound on the residual after a start. How the gains
+//! were found plays no part.
 //!
 //! # Conventions
-//! - i, j: rules of this sample; k: rule of the next; rho: one of its two extremes.
+//! - i, j: rules of this sample; k: rule of the next; rho: one of its two extremes; the weighted residual is
+//!   `W_r r`, `W_r = diag(evaluation.weights)`.
 //! - METHOD.md is `designer/METHOD.md`.
 
 #![forbid(unsafe_code)]
 
+mod band;
+mod channel;
+mod error_dynamics;
 mod exact;
 mod file;
 mod model;
+mod premise;
 mod proof;
 mod verdict;
 
@@ -36,7 +42,7 @@ pub use verdict::{Figures, Margin, Residues, Verdict};
 pub fn verify(design: &str) -> Result<Verdict, Refusal> {
     let (design, hash) = file::Design::read(design)?;
     model::check(&design)?;
-    let residues = proof::residues(&design)?;
+    let residues = error_dynamics::residues(&design)?;
     let (figures, margins) = proof::prove(&design)?;
     Verdict::new(&design, hash, figures, residues, margins)
 }
@@ -97,8 +103,11 @@ pub enum Refusal {
         /// What the file says.
         value: f64,
     },
-    /// A band that is neither low, nor high, nor full, or disturbances in several bands.
-    #[error("band_hz = {band_hz:?}: one low, high or full band for all disturbances is supported")]
+    /// A band that is neither low, nor high, nor full.
+    #[error(
+        "band_hz = {band_hz:?} is no band from 0 or up to the Nyquist frequency: middle bands have \
+         no proof"
+    )]
     Band {
         /// What the file says.
         band_hz: [f64; 2],
@@ -154,7 +163,7 @@ pub enum Refusal {
     #[error("`{key}` = {claimed} is more than is proven: {proven}")]
     Claim {
         /// The figure.
-        key: &'static str,
+        key: String,
         /// What the file says.
         claimed: f64,
         /// What holds.

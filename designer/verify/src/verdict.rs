@@ -3,9 +3,10 @@
 use std::fmt;
 
 use crate::Refusal;
+use crate::band::Band;
+use crate::channel::Channels;
 use crate::file::{Design, Fault};
-use crate::model::Band;
-use crate::proof::{Channels, Family};
+use crate::proof::Family;
 
 /// A proven design.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,13 +26,13 @@ pub struct Verdict {
 /// Certified figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Smallest gain from the fault, per rad or N m.
+    /// Smallest gain from the first fault, per rad or N m.
     pub beta: f64,
-    /// Largest gain from the disturbances, per unit of the first.
+    /// Largest gain from disturbances and bounded noise, per unit of the first disturbance.
     pub gamma: f64,
     /// `beta / gamma`, each channel in units of its smallest fault and of its bound.
     pub gap: f64,
-    /// gamma for all frequencies.
+    /// gamma of all frequencies.
     pub gamma_full_band: f64,
     /// Decay of the error a sample.
     pub decay: f64,
@@ -81,31 +82,37 @@ fn statements(
     residues: &Residues,
     channels: &Channels,
 ) -> Vec<String> {
-    let Figures { beta, gamma, gap, gamma_full_band, decay } = figures;
+    let Figures { beta, gap, gamma_full_band, decay, .. } = figures;
     let start_up = &design.evaluation.start_up;
+    let [w_1, w_2] = design.evaluation.weights;
     let unit = match design.spec.fault[0] {
         Fault::Steering { .. } => "rad",
         Fault::Torque { .. } => "N m",
     };
-    vec![
+    let mut statements = vec![
         format!(
-            "For x and x^ in S_x and any courses of premise and rho, the error without inputs \
-             decays at least like {decay}^k."
+            "For x, x^ and the measured premise in S_x and any courses of premise and rho, the \
+             error without inputs decays at least like {decay}^k."
         ),
         format!(
-            "For x and x^ in S_x, e_0 = 0, any courses of premise and rho, and any l2 input {}: \
-             ||r|| > beta ||f|| with beta = {beta} per {unit}.",
-            slow_error(&channels.fault_band),
+            "Likewise, from e_0 = 0 and with W_r = diag({w_1}, {w_2}), for any l2 fault f{}: \
+             ||W_r r|| > beta ||f|| with beta = {beta} per {unit}.",
+            condition(&channels.fault.band),
         ),
-        format!(
-            "Likewise, for any l2 input {}: ||r|| < gamma ||d|| with gamma = {gamma} per unit of \
-             the first disturbance, d the 2-norm of the stacked disturbances, each in proportion \
-             to its bound.",
-            slow_error(&channels.disturbance_band),
-        ),
-        format!(
-            "Unconditionally for any l2 input d: ||r|| < {gamma_full_band} ||d||, in the same unit."
-        ),
+    ];
+    statements.extend(attenuation(design, figures, channels));
+    statements.push(format!(
+        "Unconditionally for any l2 course d of all disturbances and bounded noise: \
+         ||W_r r|| < {gamma_full_band} ||d||, in the same unit."
+    ));
+    if design.d_y.is_some() {
+        statements.push(
+            "With the bounded sensor noise v, the error is e = x - x^ - E D_y v; v counts with all \
+             it does, by the injection, by E y and by the measured premise."
+                .into(),
+        );
+    }
+    statements.extend([
         format!("The fault-to-disturbance gap of these is at least {gap}."),
         "At constant premise and rho, beta and gamma are gains over the stated bands; where the \
          premise varies, a band limit on the input alone does not imply the condition on the error."
@@ -120,17 +127,44 @@ fn statements(
              the rounding of the detector's own arithmetic.",
             f64::max(residues.m, residues.observer_equation),
         ),
-    ]
+    ]);
+    statements
+}
+
+/// gamma of each band of the disturbances, and of all.
+fn attenuation(design: &Design, figures: &Figures, channels: &Channels) -> Vec<String> {
+    let blocks = design.certificate.a_posteriori.iter().flat_map(|x| &x.gamma);
+    let mut statements: Vec<String> = blocks
+        .zip(&channels.disturbances)
+        .map(|(certificate, channel)| {
+            format!(
+                "Likewise, for any l2 course d of {}{}: ||W_r r|| < {} ||d|| per unit of the first \
+                 disturbance, d the 2-norm of the stack with each in proportion to its bound.",
+                channel.names.join(", "),
+                condition(&channel.band),
+                certificate.gain,
+            )
+        })
+        .collect();
+    statements.push(match channels.disturbances.len() {
+        1 => format!("So gamma = {} for all disturbances.", figures.gamma),
+        _ => format!(
+            "For all of them at once, the part of the error from each band on its band's \
+             condition: ||W_r r|| < gamma ||d|| with gamma = {}, the root of the sum of squares.",
+            figures.gamma,
+        ),
+    });
+    statements
 }
 
 /// The condition on the error in a band.
-fn slow_error(band: &Band) -> String {
+fn condition(band: &Band) -> String {
     let (theta, relation) = match band {
         Band::Low(theta) => (theta.approximate(), "<="),
         Band::High(theta) => (theta.approximate(), ">="),
-        Band::Full => return "at all".into(),
+        Band::Full => return String::new(),
     };
-    format!("whose error obeys sum (e+ - e)(e+ - e)' {relation} 4 sin^2({theta:.6} / 2) sum e e'")
+    format!(" whose error obeys sum (e+ - e)(e+ - e)' {relation} 4 sin^2({theta:.6} / 2) sum e e'")
 }
 
 impl fmt::Display for Verdict {

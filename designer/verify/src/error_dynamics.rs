@@ -1,0 +1,154 @@
+//! The error dynamics of the stored gains.
+//!
+//! With bounded sensor noise v in `y = C x + D_y v`, the error `e = x - x^ - E D_y v` obeys
+//! (METHOD.md 5)
+//!
+//! ```text
+//! e+    = N(h, rho) e + M D d + M F f + (-L(h) + M G rho [0 1 0] E - M K) D_y v
+//! W_r r = W_r C e + W_r (I + C E) D_y v,         N(h, rho) = N(h) + M G rho [0 1 0]
+//! ```
+//!
+//! where h are the membership functions at the measured premise, rho lies between twice the ends of
+//! v_y's range (15), and K in the hull of [`premise::vertices`]. In h, rho and K these are affine,
+//! without products of them: an inequality that is affine in them holds if it does for all rules, at
+//! both ends of rho and at all vertices of K.
+
+use crate::Refusal;
+use crate::channel::Channel;
+use crate::exact::{Matrix, approximate, exact, whole};
+use crate::file::{Design, RULES};
+use crate::premise;
+use crate::verdict::Residues;
+
+/// Largest residue of the observer's equations that counts as rounding.
+const RESIDUE: f64 = 1e-10;
+
+/// The error dynamics.
+pub struct ErrorDynamics {
+    /// The ends of rho.
+    rho: [f64; 2],
+    /// `N_i + M G rho [0 1 0]`, at both.
+    n: [[Matrix; RULES]; 2],
+    /// `-L_i + M G rho [0 1 0] E`, at both.
+    injection: [[Matrix; RULES]; 2],
+    /// M.
+    m: Matrix,
+    /// `M K` at the vertices of K.
+    m_k: Vec<Matrix>,
+    /// `W_r C`.
+    output: Matrix,
+    /// `W_r (I + C E)`.
+    feedthrough: Matrix,
+}
+
+/// What sends (e, w, e+) to zero along the error's course, at vertices of rho and K.
+pub struct Course {
+    /// rho.
+    pub rho: f64,
+    /// Vertex of K; none without noise.
+    pub vertex: Option<usize>,
+    /// `[N_i(rho), B_i, -I]`.
+    pub by_rule: [Matrix; RULES],
+}
+
+impl ErrorDynamics {
+    /// From the gains as stored.
+    pub fn new(design: &Design) -> Self {
+        let [c, e, m] =
+            [Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m)];
+        let rho = design.premise.v_y_m_per_s.map(|v_y| 2.0 * v_y);
+        let e_2 = Matrix::exactly(&[[0.0, 1.0, 0.0]]);
+        let m_g = &(&m * &Matrix::exactly(&design.g)) * &e_2;
+        let m_g_rho = rho.map(|rho| m_g.times(&exact(rho)));
+        let [w_1, w_2] = design.evaluation.weights;
+        let w_r = Matrix::exactly(&[[w_1, 0.0], [0.0, w_2]]);
+        let rules = design.vertices.each_ref();
+        Self {
+            rho,
+            n: m_g_rho.each_ref().map(|m_g| rules.map(|rule| &Matrix::exactly(&rule.n) + m_g)),
+            injection: m_g_rho
+                .each_ref()
+                .map(|m_g| rules.map(|rule| &(m_g * &e) - &Matrix::exactly(&rule.l))),
+            m_k: premise::vertices(design).iter().map(|k| &m * k).collect(),
+            output: &w_r * &c,
+            feedthrough: &w_r * &(&Matrix::identity(2) + &(&c * &e)),
+            m,
+        }
+    }
+
+    /// Every rule, successor and end of rho, with `N_i(rho)`.
+    pub fn successors(&self) -> impl Iterator<Item = (usize, usize, f64, &Matrix)> {
+        let at_rho = self.n.iter().zip(self.rho);
+        at_rho.flat_map(|(n, rho)| {
+            n.iter().enumerate().flat_map(move |(i, n)| (0..RULES).map(move |k| (i, k, rho, n)))
+        })
+    }
+
+    /// The courses with the inputs of `channel`, at both ends of rho and, with noise, at all
+    /// vertices of K.
+    pub fn courses(&self, channel: &Channel) -> Vec<Course> {
+        let direct = &self.m * &channel.direction;
+        let minus_identity = -&Matrix::identity(3);
+        let of = |end: usize, vertex: Option<usize>| {
+            let by_rule = std::array::from_fn(|i| {
+                let injection = &self.injection[end][i];
+                let from_noise = match vertex {
+                    Some(vertex) => &(injection - &self.m_k[vertex]) * &channel.noise,
+                    None => Matrix::zeros(3, 0),
+                };
+                Matrix::blocks(&[&[&self.n[end][i], &direct, &from_noise, &minus_identity]])
+            });
+            Course { rho: self.rho[end], vertex, by_rule }
+        };
+        let vertices: Vec<_> = match channel.noise.width() {
+            0 => vec![None],
+            _ => (0..self.m_k.len()).map(Some).collect(),
+        };
+        vertices.into_iter().flat_map(|vertex| [0, 1].map(|end| of(end, vertex))).collect()
+    }
+
+    /// `W_r C`.
+    pub fn output(&self) -> &Matrix {
+        &self.output
+    }
+
+    /// `[W_r C, D_r]` over (e, w), with the inputs w of `channel`.
+    pub fn output_with(&self, channel: &Channel) -> Matrix {
+        let direct = Matrix::zeros(2, channel.direction.width());
+        Matrix::blocks(&[&[&self.output, &direct, &(&self.feedthrough * &channel.noise)]])
+    }
+}
+
+/// What rounding left of the equations that the observer is built on. They make the error obey the
+/// equation that everything else is about.
+///
+/// # Errors
+/// [`Refusal::Residue`]: more than rounding.
+pub fn residues(design: &Design) -> Result<Residues, Refusal> {
+    let [c, e, m] =
+        [Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m)];
+    let m_equation = &m - &(&Matrix::identity(3) + &(&e * &c));
+    let mut observer_equation = whole(0);
+    let mut l_equation = whole(0);
+    for rule in &design.vertices {
+        let [a, n] = [&rule.a, &rule.n].map(|x| Matrix::exactly(x));
+        let [l, h] = [&rule.l, &rule.h].map(|x| Matrix::exactly(x));
+        let observer = &(&(&m * &a) - &(&n * &m)) - &(&l * &c);
+        observer_equation = observer_equation.max(observer.largest());
+        l_equation = l_equation.max((&(&h - &(&n * &e)) - &l).largest());
+    }
+    for (equation, residue) in [
+        ("M - (I + E C)", &m_equation.largest()),
+        ("M A_i - N_i M - L_i C", &observer_equation),
+        ("L_i - (H_i - N_i E)", &l_equation),
+    ] {
+        if *residue > exact(RESIDUE) {
+            return Err(Refusal::Residue { equation, residue: approximate(residue) });
+        }
+    }
+    Ok(Residues {
+        m: approximate(&m_equation.largest()),
+        observer_equation: approximate(&observer_equation),
+        l: approximate(&l_equation),
+    })
+}

@@ -1,0 +1,197 @@
+//! What sensor noise does by the measured premise (METHOD.md 5).
+//!
+//! With `y = C x + D_y v` the observer evaluates `A(xi) x + g(xi)` at the measured instead of the
+//! true premise. By the mean value theorem the difference is `K D_y v`, where K is the mean of
+//! `d[A(xi) x + g(xi)] / dy`, 3 x 2, over the segment between both. If both lie in S_x, a box, so
+//! does the segment, and K lies in the hull of the derivative's values on S_x, for any v.
+//!
+//! # The hull
+//! The derivative is affine in `(v_x, s, s^2)`, `s = 1/v_x`, at given v_y and r, and affine in
+//! (v_y, r) at a given speed. Where `(v_x, s, s^2)` lies in the hull of some points and (v_y, r) in
+//! that of its corners, the derivative is therefore a mean, with products of both weights, of its
+//! values at all pairs of a point and a corner.
+//!
+//! Four points suffice: multiplied by s, the curve `(1, v_x, s, s^2)` is `(s, 1, s^2, s^3)`, whose
+//! Bernstein form over `[s_0, s_1]` has the coefficients
+//!
+//! ```text
+//! s:   s_0,   (2 s_0 + s_1) / 3,          (s_0 + 2 s_1) / 3,          s_1
+//! 1:   1,     1,                          1,                          1
+//! s^2: s_0^2, (s_0^2 + 2 s_0 s_1) / 3,    (s_1^2 + 2 s_0 s_1) / 3,    s_1^2
+//! s^3: s_0^3, s_0^2 s_1,                  s_0 s_1^2,                  s_1^3
+//! ```
+//!
+//! Divided by the first row, which is positive, the others are points whose mean with the weights
+//! `b_j(s) c_j / s` is `(v_x, s, s^2)`; c_j is that row, and the Bernstein polynomials b_j are not
+//! negative and `sum b_j c_j = s`. With the four corners these are 16 vertices.
+
+use crate::exact::{Matrix, Rational, exact, whole};
+use crate::file::Design;
+use crate::model::Coefficients;
+
+/// `(v_x, s, s^2)`, or a point that its hull is spanned by.
+type OfSpeed = [Rational; 3];
+
+/// Matrices whose hull holds K for any true and measured premise in S_x.
+pub fn vertices(design: &Design) -> Vec<Matrix> {
+    let coefficients = Coefficients::new(design);
+    let premise = &design.premise;
+    let mut vertices = Vec::new();
+    for speed in control_points(premise.v_x_m_per_s) {
+        for v_y in premise.v_y_m_per_s {
+            for r in premise.r_rad_per_s {
+                vertices.push(derivative(&coefficients, &speed, &exact(v_y), &exact(r)));
+            }
+        }
+    }
+    vertices
+}
+
+/// Points whose hull holds `(v_x, s, s^2)` on a range of speeds.
+fn control_points([slowest, fastest]: [f64; 2]) -> [OfSpeed; 4] {
+    let [s_0, s_1] = [fastest, slowest].map(|v_x| exact(v_x).recip());
+    let blossoms = [[&s_0; 3], [&s_0, &s_0, &s_1], [&s_0, &s_1, &s_1], [&s_1; 3]];
+    blossoms.map(|[a, b, c]| {
+        let weight = (a + b + c) / whole(3);
+        let squares = (a * b + b * c + a * c) / whole(3);
+        [weight.recip(), squares / &weight, a * b * c / weight]
+    })
+}
+
+/// `d[A(xi) x + g(xi)] / dy`, METHOD.md 5.
+fn derivative(x: &Coefficients, [v_x, s, s_2]: &OfSpeed, v_y: &Rational, r: &Rational) -> Matrix {
+    let [per_mass, per_inertia] = [&x.mass, &x.yaw_inertia].map(|inertia| &x.coupling / inertia);
+    let rows = [
+        [whole(-2) * &x.drag * v_x, v_y.clone()],
+        [(&x.force * v_y - &per_mass * r) * s_2 - r, &per_mass * s - v_x],
+        [(&x.damping * r - &per_inertia * v_y) * s_2, -&x.damping * s],
+    ];
+    Matrix::new(3, 2, |row, column| &x.period * &rows[row][column])
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn design() -> Design {
+        let text = include_str!("../tests/fixtures/noise.json");
+        Design::read(text).map(|(design, _)| design).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn of_speed(v_x: &Rational) -> OfSpeed {
+        let s = v_x.recip();
+        [v_x.clone(), s.clone(), &s * &s]
+    }
+
+    /// Weights of the Bernstein polynomials of degree three at t.
+    fn bernstein(t: &Rational) -> [Rational; 4] {
+        let u = whole(1) - t;
+        [&u * &u * &u, whole(3) * t * &u * &u, whole(3) * t * t * &u, t * t * t]
+    }
+
+    fn point(range: [f64; 2]) -> impl Strategy<Value = (f64, f64, f64)> {
+        let [min, max] = range;
+        (min..max, min..max, min..=max).prop_map(|(a, b, x)| {
+            let (from, to) = (a.min(b), a.max(b).max(a.min(b).next_up()));
+            (from, to, x.clamp(from, to))
+        })
+    }
+
+    proptest! {
+        /// On a random S_x, K at a random point is the mean of the vertices with weights that are
+        /// not negative and sum up to one: all exactly.
+        #[test]
+        fn hull_of_the_vertices_holds_k(
+            (slowest, fastest, v_x) in point([0.5, 60.0]),
+            (right, left, v_y) in point([-3.0, 3.0]),
+            (least, most, r) in point([-1.0, 1.0]),
+        ) {
+            let mut design = design();
+            design.premise.v_x_m_per_s = [slowest, fastest];
+            design.premise.v_y_m_per_s = [right, left];
+            design.premise.r_rad_per_s = [least, most];
+            let k = derivative(
+                &Coefficients::new(&design), &of_speed(&exact(v_x)), &exact(v_y), &exact(r),
+            );
+
+            let share = |x: &Rational, from: &Rational, to: &Rational| (x - from) / (to - from);
+            let [s, s_0, s_1] = [v_x, fastest, slowest].map(|v_x| exact(v_x).recip());
+            let third = whole(3);
+            let c = [
+                s_0.clone(),
+                (whole(2) * &s_0 + &s_1) / &third,
+                (&s_0 + whole(2) * &s_1) / &third,
+                s_1.clone(),
+            ];
+            let of_speed: Vec<_> =
+                bernstein(&share(&s, &s_0, &s_1)).iter().zip(c).map(|(b, c)| b * c / &s).collect();
+            let corners = |x: f64, from: f64, to: f64| {
+                let share = share(&exact(x), &exact(from), &exact(to));
+                [whole(1) - &share, share]
+            };
+            let (of_v_y, of_r) = (corners(v_y, right, left), corners(r, least, most));
+
+            let mut vertices = vertices(&design).into_iter();
+            let (mut mean, mut total) = (Matrix::zeros(3, 2), whole(0));
+            for speed in &of_speed {
+                for v_y in &of_v_y {
+                    for r in &of_r {
+                        let weight = speed * v_y * r;
+                        prop_assert!(weight >= whole(0));
+                        let vertex = vertices.next();
+                        mean = &mean + &vertex.map_or(Matrix::zeros(3, 2), |x| x.times(&weight));
+                        total += weight;
+                    }
+                }
+            }
+            prop_assert_eq!(vertices.next().map(|_| ()), None);
+            prop_assert_eq!(total, whole(1));
+            prop_assert_eq!(mean, k);
+        }
+
+        /// K against the difference of the model's own equations (1)-(3) at two measured premises,
+        /// the state the same: its mean over the segment in r, exactly; in v_x, at its middle up to
+        /// the square of half its length.
+        #[test]
+        fn derivative_is_that_of_the_model(
+            v_x in 5.0..30.0, v_y in -1.5..1.5, r in -0.55..0.55, step in 0.001..0.1,
+        ) {
+            let design = design();
+            let [v_x, v_y, r, step] = [v_x, v_y, r, step].map(exact);
+            let coefficients = Coefficients::new(&design);
+            let k = derivative(&coefficients, &of_speed(&v_x), &v_y, &r);
+            let model = |v_x: &Rational, r: &Rational| prediction(&design, v_x, r, &v_y);
+
+            let difference = &model(&v_x, &(&r + &step)) - &model(&v_x, &r);
+            prop_assert_eq!(difference, k.column(1).times(&step));
+
+            let half = &step / whole(1_000_000);
+            let difference = &model(&(&v_x + &half), &r) - &model(&(&v_x - &half), &r);
+            let missed = &difference - &k.column(0).times(&(whole(2) * &half));
+            prop_assert!(missed.largest() < k.largest() * &half * &half * &half);
+        }
+    }
+
+    /// `T_s (A(xi) x + g(xi))` without what does not depend on xi, from (1)-(3).
+    fn prediction(design: &Design, v_x: &Rational, r: &Rational, v_y: &Rational) -> Matrix {
+        let v = &design.vehicle;
+        let (c_f, c_r) = (
+            exact(v.front_cornering_stiffness_n_per_rad),
+            exact(v.rear_cornering_stiffness_n_per_rad),
+        );
+        let (l_f, l_r) = (exact(v.front_axle_distance_m), exact(v.rear_axle_distance_m));
+        // Lateral forces of the axles without steering: side slips (v_y +- l r) / v_x.
+        let front = whole(-2) * c_f * (v_y + &l_f * r) / v_x;
+        let rear = whole(-2) * c_r * (v_y - &l_r * r) / v_x;
+        let drag = exact(v.longitudinal_drag_n_m_s2_per_m2) * v_x * v_x
+            / exact(v.effective_longitudinal_inertia_kg_m);
+        let rows = [
+            r * v_y - drag,
+            (&front + &rear) / exact(v.mass_kg) - r * v_x,
+            (l_f * front - l_r * rear) / exact(v.yaw_inertia_kg_m2),
+        ];
+        Matrix::new(3, 1, |row, _| exact(design.sampling_period_s) * &rows[row])
+    }
+}
