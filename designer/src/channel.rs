@@ -151,16 +151,3 @@ fn k(model: &TsModel, speed: OfSpeed, v_y: f64, r: f64) -> Matrix {
         ],
     ) * model.sampling_period_s
 }
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    /// f(xi) = A(xi) x + g(xi) of the detector's model, x fixed and xi measured.
-    fn prediction(model: &TsModel, x: [f64; 3], y: [f64; 2]) -> [f64; 3] {
-        let blend = model.blend(y);
-        blend.a.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
-    }
-}

@@ -1,7 +1,7 @@
 //! The specification: vehicle, ranges, faults of interest, disturbances, method and evaluation.
 //!
-//! Read from TOML. Every key has a default, the paper's value where the paper gives one; unknown
-//! keys and impossible values are refused by name. `examples/paper.toml` spells out every key.
+//! Read from TOML. Every key has a default; unknown keys and impossible values are refused by name.
+//! `examples/paper.toml` spells out every key, with the paper's values.
 //!
 //! # Conventions
 //! Units stand in the keys. Bands are in Hz, from 0 (low), up to the Nyquist frequency (high), or
@@ -319,6 +319,19 @@ impl Default for Spec {
 }
 
 impl Spec {
+    /// The paper's own case: Theorem 4 with its multipliers, no sensor noise, W_r = I.
+    pub fn paper() -> Self {
+        Self {
+            noise: Noise {
+                v_x: SpeedNoise { white_std_m_per_s: 0.0, ..SpeedNoise::default() },
+                r: YawRateNoise { white_std_rad_per_s: 0.0, ..YawRateNoise::default() },
+            },
+            design: Method { method: MethodName::Paper, ..Method::default() },
+            evaluation: Evaluation { weights: [1.0, 1.0], ..Evaluation::default() },
+            ..Self::default()
+        }
+    }
+
     /// Reads and checks a specification in TOML.
     ///
     /// # Errors

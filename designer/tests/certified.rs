@@ -64,7 +64,7 @@ struct Value {
 fn values_agree_with_an_independent_solver() {
     let cases: Vec<Case> =
         serde_json::from_str(include_str!("fixtures/certified_gains.json")).unwrap();
-    let spec = Spec::default();
+    let spec = Spec::paper();
     let model = spec.model();
     let c = matrix(&steerguard_detector::C);
     for case in cases {
@@ -90,7 +90,7 @@ fn values_agree_with_an_independent_solver() {
 
 #[test]
 fn papers_largest_beta_is_worth_its_reference_values() {
-    let spec = Spec::default();
+    let spec = Spec::paper();
     let model = spec.model();
     let disturbance = Channel { direction: spec.d(), band: Band::Low(THETA) };
     let fault = Channel { direction: spec.f(), band: Band::Low(THETA) };
@@ -226,7 +226,7 @@ fn another_vehicle_range_and_period_is_proven() {
 
 #[test]
 fn unstable_error_dynamics_have_no_certificate() {
-    let model = Spec::default().model();
+    let model = Spec::paper().model();
     let dynamics: ErrorDynamics = model.vertices().map(|a| {
         let mut n = matrix(&a);
         n[(0, 0)] = 1.2;

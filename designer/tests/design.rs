@@ -16,7 +16,7 @@ use steerguard_detector::{Detector, Initialisation, Monitor, rk4};
 
 /// The paper's case with few drives in the calibration, among them the worst.
 fn spec() -> Spec {
-    let mut spec = Spec::default();
+    let mut spec = Spec::paper();
     spec.evaluation.calibration = Calibration {
         speeds: 2,
         manoeuvres: vec![Manoeuvre::Straight, Manoeuvre::StepSteer],

@@ -9,14 +9,14 @@ const PAPER: &str = include_str!("../../examples/paper.toml");
 
 #[test]
 fn papers_file_spells_out_the_defaults() {
-    assert_eq!(Spec::from_toml(PAPER).unwrap(), Spec::default());
+    assert_eq!(Spec::from_toml(PAPER).unwrap(), Spec::paper());
     assert_eq!(Spec::from_toml("").unwrap(), Spec::default());
 }
 
 #[test]
 fn papers_file_names_every_key() {
     let of_file: toml::Table = PAPER.parse().unwrap();
-    let of_spec = toml::Table::try_from(Spec::default()).unwrap();
+    let of_spec = toml::Table::try_from(Spec::paper()).unwrap();
     assert_eq!(of_file, of_spec);
 }
 
@@ -52,13 +52,13 @@ fn a_specification_names_only_what_differs() {
 
 #[test]
 fn disturbances_act_as_documented() {
-    let vehicle = Spec::default().vehicle;
+    let vehicle = Spec::paper().vehicle;
     let bank = Disturbance::Bank { name: "bank".into(), bound_deg: 3.0, band_hz: [0.0, 1.5] };
     let [_, lateral, yaw] = bank.direction(&vehicle);
     // With the left side raised by one degree, gravity pulls to the right.
     assert!((lateral + 9.80665 * std::f64::consts::PI / 180.0).abs() < 1e-15);
     assert_eq!(yaw, 0.0);
-    let d = Spec::default().d();
+    let d = Spec::paper().d();
     assert_eq!(d[1], 0.01);
     assert!((d[2] - 0.00203867).abs() < 1e-8, "METHOD.md 7");
 }

@@ -17,14 +17,14 @@ fn rows(rows: &[&[f64]]) -> Matrix {
 
 /// The paper's theorem with decay rate 0.97 and the given disturbance and multipliers.
 fn theorem(d: Matrix, alpha_d: f64, alpha_f: f64, v: Matrix) -> Theorem4 {
-    let spec = Spec::default();
+    let spec = Spec::paper();
     let channel = |direction| Channel { direction, band: Band::Low(THETA) };
     let multipliers = Multipliers { alpha_d, alpha_f, v };
     Theorem4::new(&spec.model(), &channel(d), &channel(spec.f()), &multipliers, 0.97)
 }
 
 fn papers_theorem() -> Theorem4 {
-    let spec = Spec::default();
+    let spec = Spec::paper();
     theorem(spec.d(), 2.0, 1.0, spec.f().transpose())
 }
 
@@ -201,7 +201,7 @@ fn reference_indices_are_met() {
     let degree = 1_f64.to_radians();
     let theorem_s1 = |alpha_d, scale_v: f64| {
         let d = rows(&[&[0.0, 0.0], &[0.005, 0.0], &[0.0, 0.001]]);
-        theorem(d, alpha_d, 1.0, Spec::default().f().transpose() * scale_v)
+        theorem(d, alpha_d, 1.0, Spec::paper().f().transpose() * scale_v)
     };
     for (name, theorem, expected) in [
         ("S1, paper's multipliers", theorem_s1(2.0, 1.0), 5.69),
@@ -219,7 +219,7 @@ fn reference_indices_are_met() {
 
 #[test]
 fn bound_on_beta_is_the_minimum_over_the_band() {
-    let spec = Spec::default();
+    let spec = Spec::paper();
     for alpha_f in [-0.5, 0.0, 0.3, 1.0, 2.5] {
         for band in [Band::Low(0.4), Band::High(0.4), Band::Full] {
             let mut theorem = theorem(spec.d(), 2.0, alpha_f, spec.f().transpose());
@@ -246,7 +246,7 @@ proptest! {
     ) {
         prop_assume!(v[0].hypot(v[2]) > 0.1);
         let v = Matrix::from_row_slice(1, 3, &v);
-        let theorem = theorem(Spec::default().d(), alpha_d, alpha_f, v);
+        let theorem = theorem(Spec::paper().d(), alpha_d, alpha_f, v);
         if let Ok(synthesis) = solve(&theorem, Goal::LargestBeta { gamma: Some(0.8) }) {
             prop_assert!(synthesis.beta < theorem.beta_bound());
             let error = synthesis.gains.observer_equation_error(&theorem.a);

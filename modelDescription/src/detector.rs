@@ -109,11 +109,11 @@ variables! {
         DesignHash, "design.hash", "SHA-256 of the design file", Role::CONSTANT, Kind::String;
         DesignSamplePeriod, "design.sample_period", "Sampling period T_s of the detector",
             Role::CONSTANT, Kind::real(&unit::SECOND).nominal(0.01);
-        DesignBeta, "design.beta", "Fault sensitivity beta that the design reports", Role::CONSTANT,
+        DesignBeta, "design.beta", "Certified fault sensitivity beta of the design, 0 without certificate", Role::CONSTANT,
             Kind::real(&unit::ONE).nominal(1.0);
-        DesignGamma, "design.gamma", "Disturbance gain gamma that the design reports",
+        DesignGamma, "design.gamma", "Certified disturbance gain gamma of the design, 0 without certificate",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.01);
-        DesignGap, "design.gap", "Fault-to-disturbance gap that the design reports",
+        DesignGap, "design.gap", "Certified fault-to-disturbance gap of the design, 0 without certificate",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(1.0);
         DesignThreshold, "design.threshold", "J_th after the start-up, for threshold_factor = 1",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.001);

@@ -9,7 +9,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
-use crate::scenario::{Scenario, ScenarioError};
+use crate::scenario::{Scenario, ScenarioError, SensorNoise};
 
 /// Why a co-simulation ended early.
 #[derive(Debug, thiserror::Error)]
@@ -126,6 +126,10 @@ pub fn run(
         scenario.initial_yaw_rate_rad_per_s,
     ];
     rig.plant.set_real(plant.reals(["initial.v_x", "initial.v_y", "initial.r"])?, initial_state)?;
+    let noise = &scenario.sensor_noise;
+    if [noise.v_x_std_m_per_s, noise.r_std_rad_per_s] != [0.0, 0.0] {
+        rig.set_noise(plant, noise, detector.step_size_s().unwrap_or(step_s))?;
+    }
     rig.initialise(scenario.duration_s, &excitation(0.0))?;
     let samples = (0..steps)
         .map(|k| {
@@ -212,6 +216,24 @@ impl Rig {
             plant.set_real(plant_fmu.reals([name])?, value)?;
         }
         Ok(Self { detector, plant, ports })
+    }
+
+    /// Gives the plant's sensors white noise, a new value each `period_s`.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a parameter is missing or refused.
+    pub fn set_noise(
+        &mut self,
+        plant_fmu: &Fmu,
+        noise: &SensorNoise,
+        period_s: f64,
+    ) -> Result<(), CosimulationError> {
+        self.plant.set_real(
+            plant_fmu.reals(["noise.v_x", "noise.r", "noise.sample_period"])?,
+            [noise.v_x_std_m_per_s, noise.r_std_rad_per_s, period_s],
+        )?;
+        let seed = plant_fmu.variable("noise.seed", Type::Integer)?;
+        Ok(self.plant.set_integer([seed], [noise.seed])?)
     }
 
     /// Initialises both for a run of `stop_time_s`; `excitation` is that of time 0.

@@ -1,7 +1,8 @@
 //! The figures of a design that people ask for first.
 
 use serde::Serialize;
-use steerguard_designer::{Design, DesignStatus};
+use steerguard_designer::spec::MethodName;
+use steerguard_designer::{CertifiedFigures, Design, DesignStatus};
 use steerguard_fmu::BakedDesign;
 
 use crate::table::aligned;
@@ -11,24 +12,26 @@ use crate::table::aligned;
 pub struct DesignSummary {
     /// What the design may be called.
     pub status: DesignStatus,
+    /// How the gains were found.
+    pub method: MethodName,
     /// SHA-256 of the design file's content.
     pub hash: String,
-    /// Fault sensitivity of the gains, per rad or N m.
-    pub beta: f64,
-    /// Largest beta that the paper's problem reaches, and what no beta exceeds.
-    pub largest_beta: f64,
-    /// Closed-form bound on beta.
-    pub beta_bound: f64,
-    /// Disturbance gain, per unit of the first disturbance.
-    pub gamma: f64,
-    /// beta / gamma in units of smallest fault and disturbance bound.
-    pub gap: f64,
-    /// The same, certified a posteriori for the gains as stored; `None` without a certificate.
-    pub certified_gap: Option<f64>,
-    /// The same at frozen operating points.
+    /// Residual of the smallest fault against that of disturbances and noise, at frozen operating
+    /// points.
+    pub detection_ratio: f64,
+    /// RMS of the weighted residual under white sensor noise.
+    pub noise_rms: f64,
+    /// Certified a posteriori for the gains as stored; `None` without a certificate.
+    pub certified: Option<CertifiedFigures>,
+    /// The gap at frozen operating points.
     pub frozen_gap: f64,
-    /// Smallest eigenvalues of (31), (32), (33) for the gains, all to be positive.
-    pub margins: [f64; 3],
+    /// The gap that no residual generator exceeds; `None`: unbounded.
+    pub limit: Option<f64>,
+    /// beta, gamma and gap by the synthesis.
+    pub synthesis: SynthesisSummary,
+    /// Smallest eigenvalues of (31), (32), (33) for the gains, all to be positive; `None` where the
+    /// gains are not those of a synthesis.
+    pub margins: Option<[f64; 3]>,
     /// Largest spectral radius of the rules at the lowest and the highest speed.
     pub spectral_radii: [f64; 2],
     /// Lowest and highest speed of the design range, m/s.
@@ -43,27 +46,46 @@ pub struct DesignSummary {
     pub calibration_drives: usize,
 }
 
+/// Figures of the synthesis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SynthesisSummary {
+    /// Fault sensitivity, per rad or N m.
+    pub beta: f64,
+    /// Closed-form bound on beta.
+    pub beta_bound: f64,
+    /// The largest beta that the paper's problem reaches; `None` where it was not asked for.
+    pub largest_beta: Option<f64>,
+    /// Disturbance gain, per unit of the first disturbance.
+    pub gamma: f64,
+    /// beta / gamma in units of smallest fault and disturbance bound.
+    pub gap: f64,
+}
+
 impl DesignSummary {
     /// The figures of `design`.
     pub fn of(design: &Design) -> Self {
         let (synthesis, performance) = (&design.synthesis, &design.performance);
-        let margins = &design.certificate.margins;
         let [slow_1, slow_2, fast_1, fast_2] = performance.spectral_radii;
         Self {
             status: synthesis.status,
+            method: synthesis.method,
             hash: design.hash.clone(),
-            beta: synthesis.beta,
-            largest_beta: synthesis.largest_beta.beta,
-            beta_bound: synthesis.beta_bound,
-            gamma: synthesis.gamma,
-            gap: synthesis.gap,
-            certified_gap: performance.certified.as_ref().map(|certified| certified.gap),
+            detection_ratio: performance.detection_ratio,
+            noise_rms: performance.noise_rms,
+            certified: performance.certified,
             frozen_gap: performance.frozen.gap,
-            margins: [
-                margins.disturbance_attenuation.smallest_eigenvalue,
-                margins.fault_sensitivity.smallest_eigenvalue,
-                margins.stability.smallest_eigenvalue,
-            ],
+            limit: performance.limit,
+            synthesis: SynthesisSummary {
+                beta: synthesis.beta,
+                beta_bound: synthesis.beta_bound,
+                largest_beta: synthesis.largest_beta.as_ref().map(|largest| largest.beta),
+                gamma: synthesis.gamma,
+                gap: synthesis.gap,
+            },
+            margins: design.certificate.margins.map(|margins| {
+                [margins.disturbance_attenuation, margins.fault_sensitivity, margins.stability]
+                    .map(|margin| margin.smallest_eigenvalue)
+            }),
             spectral_radii: [slow_1.max(slow_2), fast_1.max(fast_2)],
             speeds_m_per_s: design.premise.v_x_m_per_s,
             threshold: design.evaluation.threshold,
@@ -77,44 +99,59 @@ impl DesignSummary {
     pub fn text(&self, proof: Option<&str>) -> String {
         let [slow, fast] = self.speeds_m_per_s;
         let [at_slow, at_fast] = self.spectral_radii;
-        let [at_31, at_32, at_33] = self.margins;
-        let rows = [
-            ("status", status(self.status).to_owned(), proof.unwrap_or_default().to_owned()),
-            (
-                "beta",
-                format!("{:.6}", self.beta),
-                format!("bound {:.6}, largest found {:.6}", self.beta_bound, self.largest_beta),
+        let synthesis = &self.synthesis;
+        let row = |name: &str, value: String, remark: String| vec![name.to_owned(), value, remark];
+        let mut rows = vec![
+            row("status", status(self.status).into(), proof.unwrap_or_default().into()),
+            row(
+                "detection ratio",
+                format!("{:.3}", self.detection_ratio),
+                format!("smallest fault to disturbance and noise (RMS {:.6})", self.noise_rms),
             ),
-            ("gamma", format!("{:.6}", self.gamma), String::new()),
-            (
-                "gap",
-                format!("{:.3}", self.gap),
-                format!(
-                    "{}at frozen operating points {:.3}",
-                    self.certified_gap.map_or(String::new(), |gap| format!("certified {gap:.3}, ")),
-                    self.frozen_gap
-                ),
+        ];
+        if let Some(certified) = &self.certified {
+            rows.push(row(
+                "certified gap",
+                format!("{:.3}", certified.gap),
+                format!("beta {:.6}, gamma {:.6}", certified.beta, certified.gamma),
+            ));
+        }
+        let limit = match self.limit {
+            Some(limit) => format!("no residual generator exceeds {limit:.3}"),
+            None => "unbounded in theory: fewer disturbances than sensors".into(),
+        };
+        rows.push(row("frozen gap", format!("{:.3}", self.frozen_gap), limit));
+        let largest = synthesis
+            .largest_beta
+            .map_or(String::new(), |beta| format!(", largest found {beta:.6}"));
+        rows.push(row(
+            "synthesis gap",
+            format!("{:.3}", synthesis.gap),
+            format!(
+                "beta {:.6} (bound {:.6}{largest}), gamma {:.6}",
+                synthesis.beta, synthesis.beta_bound, synthesis.gamma
             ),
-            (
+        ));
+        if let Some([at_31, at_32, at_33]) = self.margins {
+            rows.push(row(
                 "least eigenvalue",
                 format!("{:.2e}", at_31.min(at_32).min(at_33)),
                 format!("(31) {at_31:.2e}, (32) {at_32:.2e}, (33) {at_33:.2e}"),
+            ));
+        }
+        rows.push(row(
+            "spectral radius",
+            format!("{:.4}", at_slow.max(at_fast)),
+            format!("{at_slow:.4} at {slow} m/s, {at_fast:.4} at {fast} m/s"),
+        ));
+        rows.push(row(
+            "threshold J_th",
+            format!("{:.6}", self.threshold),
+            format!(
+                "{} x the largest J of {} fault-free drives",
+                self.threshold_margin, self.calibration_drives
             ),
-            (
-                "spectral radius",
-                format!("{:.4}", at_slow.max(at_fast)),
-                format!("{at_slow:.4} at {slow} m/s, {at_fast:.4} at {fast} m/s"),
-            ),
-            (
-                "threshold J_th",
-                format!("{:.6}", self.threshold),
-                format!(
-                    "{} x the largest J of {} fault-free drives",
-                    self.threshold_margin, self.calibration_drives
-                ),
-            ),
-        ];
-        let rows = rows.map(|(name, value, remark)| vec![name.to_owned(), value, remark]);
+        ));
         aligned(&rows, "  ")
     }
 }
@@ -133,11 +170,12 @@ pub fn status(status: DesignStatus) -> &'static str {
 /// # Errors
 /// The design's hash, if it is not the 64 digits of a SHA-256.
 pub fn baked(design: &Design) -> Result<BakedDesign, String> {
+    let certified = design.performance.certified.as_ref();
     Ok(BakedDesign {
         hash: design.hash.as_bytes().try_into().map_err(|_| design.hash.clone())?,
-        beta: design.synthesis.beta,
-        gamma: design.synthesis.gamma,
-        gap: design.synthesis.gap,
+        beta: certified.map_or(0.0, |x| x.beta),
+        gamma: certified.map_or(0.0, |x| x.gamma),
+        gap: certified.map_or(0.0, |x| x.gap),
         configuration: design.configuration(),
     })
 }

@@ -24,6 +24,11 @@
 //! amplitude = -0.1
 //! angular_frequency_rad_per_s = 0.3141592653589793
 //! start_s = 5.0
+//!
+//! [sensor_noise]                         # white, a new value each communication step
+//! v_x_std_m_per_s = 0.02
+//! r_std_rad_per_s = 0.002
+//! seed = 1
 //! ```
 //!
 //! # Conventions
@@ -113,6 +118,18 @@ impl Signal {
     }
 }
 
+/// White noise of the sensors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorNoise {
+    /// Standard deviation on v_x, m/s.
+    pub v_x_std_m_per_s: f64,
+    /// Standard deviation on r, rad/s.
+    pub r_std_rad_per_s: f64,
+    /// Same seed, same noise.
+    pub seed: i32,
+}
+
 /// One co-simulation run per initial speed.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -138,11 +155,14 @@ pub struct Scenario {
     pub side_wind_m_per_s2: Signal,
     /// Angle added by the faulty actuator at the road wheel, degrees.
     pub steering_fault_deg: Signal,
+    /// Noise on what the detector is told of v_x and r.
+    pub sensor_noise: SensorNoise,
 }
 
 impl Default for Scenario {
     /// The scenario of the paper's Fig. 1, METHOD.md 7, with its 5 m/s as the last run: that speed
-    /// is the edge of the range of the design.
+    /// is the edge of the range of the design. The sensors' noise is that of the default
+    /// specification.
     fn default() -> Self {
         Self {
             duration_s: 20.0,
@@ -169,6 +189,11 @@ impl Default for Scenario {
                 angular_frequency_rad_per_s: 0.1 * PI,
                 start_s: 5.0,
                 ..Signal::default()
+            },
+            sensor_noise: SensorNoise {
+                v_x_std_m_per_s: 0.02,
+                r_std_rad_per_s: 0.002,
+                seed: 1,
             },
         }
     }
@@ -241,6 +266,14 @@ impl Scenario {
         ] {
             if !value.is_finite() {
                 return error(key, &value, "finite");
+            }
+        }
+        for (key, std) in [
+            ("sensor_noise.v_x_std_m_per_s", self.sensor_noise.v_x_std_m_per_s),
+            ("sensor_noise.r_std_rad_per_s", self.sensor_noise.r_std_rad_per_s),
+        ] {
+            if !(std >= 0.0 && std.is_finite()) {
+                return error(key, &std, "finite and not negative");
             }
         }
         for (key, signal) in [

@@ -200,8 +200,8 @@ fn the_main_job_detects_the_fault_in_time() {
     let design = &value["design"];
     assert_eq!(design["status"], "certified");
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
-    assert!((number(&design["largest_beta"]) - 0.355856).abs() < 1e-3);
-    assert!((number(&design["beta_bound"]) - 0.355856).abs() < 1e-6);
+    assert!(number(&design["detection_ratio"]) >= 5.0, "{design}");
+    assert!(number(&design["certified"]["gap"]) >= 5.0, "{design}");
     assert_eq!(value["proof"]["holds"], true);
 
     let detections = value["detections"].as_array().unwrap();

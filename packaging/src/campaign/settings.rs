@@ -69,17 +69,12 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// The sensors that the specification describes.
-    ///
-    /// It has no sensors yet and its thresholds hold without noise, so these are nearly perfect
-    /// ones: this is the place that reads them once it has.
-    pub fn of(_spec: &Spec) -> Self {
-        Self {
-            v_x_noise_m_per_s: 1e-4,
-            r_noise_rad_per_s: 1e-5,
-            v_x_bias_m_per_s: 0.0,
-            r_bias_rad_per_s: 0.0,
-        }
+    /// The sensors that the specification describes: its white noise, its bounds as bias.
+    pub fn of(spec: &Spec) -> Self {
+        let [v_x_noise_m_per_s, r_noise_rad_per_s] = spec.noise.white_std();
+        let [v_x_bias_m_per_s, r_bias_rad_per_s] =
+            spec.noise.bounds().map(Option::unwrap_or_default);
+        Self { v_x_noise_m_per_s, r_noise_rad_per_s, v_x_bias_m_per_s, r_bias_rad_per_s }
     }
 }
 

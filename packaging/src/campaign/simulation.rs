@@ -8,6 +8,7 @@ use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
 use crate::cosimulation::{CosimulationError, Excitation, Rig, Sample};
 use crate::importer::{Fmu, Type};
+use crate::scenario::SensorNoise;
 
 /// What the drives need: both FMUs and the design under test.
 pub struct TestBench {
@@ -64,17 +65,17 @@ impl TestBench {
             ("vehicle.C_r", drive.rear_cornering_stiffness_n_per_rad),
             ("tyre.friction", drive.friction.unwrap_or(1.0)),
             ("road.bank", drive.bank_deg.to_radians()),
-            ("noise.v_x", drive.v_x_noise_m_per_s),
-            ("noise.r", drive.r_noise_rad_per_s),
-            ("noise.sample_period", self.subject.period_s),
         ];
         rig.plant
             .set_real(self.plant.reals(reals.map(|(name, _)| name))?, reals.map(|(_, x)| x))?;
         let limited = self.plant.variable("tyre.friction_limited", Type::Boolean)?;
         rig.plant.set_boolean([limited], [drive.friction.is_some().into()])?;
-        let seed = self.plant.variable("noise.seed", Type::Integer)?;
-        rig.plant.set_integer([seed], [drive.noise_seed])?;
-        Ok(())
+        let noise = SensorNoise {
+            v_x_std_m_per_s: drive.v_x_noise_m_per_s,
+            r_std_rad_per_s: drive.r_noise_rad_per_s,
+            seed: drive.noise_seed,
+        };
+        rig.set_noise(&self.plant, &noise, self.subject.period_s)
     }
 }
 

@@ -26,7 +26,7 @@ pub type Error = Box<dyn std::error::Error>;
 /// # Errors
 /// What designing and packaging say.
 pub fn paper() -> Result<(Configuration, Vec<u8>), Error> {
-    let design = design(&Spec::default(), &mut |_| {})?;
+    let design = design(&Spec::paper(), &mut |_| {})?;
     let fmu = detector_fmu(&baked(&design)?, &Runtimes::detector())?;
     Ok((design.configuration(), fmu))
 }

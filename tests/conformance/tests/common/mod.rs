@@ -39,7 +39,7 @@ impl Packaged {
                 let text = fs::read_to_string(Path::new(&fixtures).join("design.json")).unwrap();
                 Design::from_json(&text).unwrap()
             }
-            None => design(&Spec::default(), &mut |_| {}).unwrap(),
+            None => design(&Spec::paper(), &mut |_| {}).unwrap(),
         };
         let baked = steerguard::design_summary::baked(&design).unwrap();
         let bytes = detector_fmu(&baked, &Runtimes::detector()).unwrap();
