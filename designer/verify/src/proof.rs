@@ -193,8 +193,9 @@ fn check_figures(
     Ok(())
 }
 
+/// The bound on the error neither grows nor changes its sign.
 fn check_decay(key: &'static str, decay: f64) -> Result<(), Refusal> {
-    if decay > 1.0 {
+    if decay <= 0.0 || decay > 1.0 {
         return Err(Refusal::Range { key: key.into(), value: [0.0, decay] });
     }
     Ok(())

@@ -228,6 +228,7 @@ fn better_figures_are_refused() {
     refused!(times("/spec/fault/0/smallest_deg", 0.99), Refusal::Claim { .. });
     refused!(times("/evaluation/start_up/amplitude", 0.99), Refusal::Claim { .. });
     broken(times("/evaluation/start_up/decay", 0.9), Family::StartUp);
+    refused!(times("/evaluation/start_up/decay", -1.0), Refusal::Range { .. });
 }
 
 #[test]
