@@ -152,3 +152,97 @@ pub fn residues(design: &Design) -> Result<Residues, Refusal> {
         l: approximate(&l_equation),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::channel::Channels;
+    use crate::exact::Rational;
+    use crate::premise::tests::{design, prediction, weights};
+
+    proptest! {
+        /// A step of model (1)-(3) and observer (10), a disturbance and yaw-rate noise included, is
+        /// a mean of the courses at the vertices.
+        #[test]
+        fn courses_are_those_of_model_and_observer(
+            (v_x, v_y, r) in (5.0..30.0, -1.5..1.5, -0.5..0.5),
+            e in prop::array::uniform3(-0.5..0.5),
+            d in -1.0..1.0, noise in -0.05..0.05,
+        ) {
+            let design = design();
+            let column = |rows: [f64; 3]| Matrix::exactly(&rows.map(|x| [x]));
+            let [c, e_gain, m, g] = [
+                Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m),
+                Matrix::exactly(&design.g),
+            ];
+            // Yaw moment and yaw-rate noise.
+            let channels = Channels::new(&design).unwrap_or_else(|error| panic!("{error}"));
+            let channel = &channels.disturbances[1];
+            let (d, noise) = (exact(d), exact(noise));
+            let v = channel.noise.times(&noise);
+
+            let (x, e) = (column([v_x, v_y, r]), column(e));
+            let y = &(&c * &x) + &v;
+            let z = &(&m * &x) - &e;
+            let x_hat = &z - &(&e_gain * &y);
+            let [v_x, v_y, r] = [v_x, v_y, r].map(exact);
+            let measured_r = y.at(1, 0);
+            let h: Vec<Rational> = {
+                let share = |x: &Rational, [from, to]: [&Rational; 2]| (x - from) / (to - from);
+                let [slow, fast] = design.premise.v_x_m_per_s.map(|v_x| exact(v_x).recip());
+                let [right, left] = design.premise.r_rad_per_s.map(exact);
+                let (at_slow, at_left) =
+                    (share(&v_x.recip(), [&fast, &slow]), share(&measured_r, [&right, &left]));
+                let other = |x: &Rational| whole(1) - x;
+                [at_slow.clone(), other(&at_slow)]
+                    .iter()
+                    .flat_map(|speed| [speed * other(&at_left), speed * &at_left])
+                    .collect()
+            };
+
+            let next_x = &(&(&x + &prediction(&design, &v_x, &r, &v_y)) + &g.times(&(&v_y * &v_y)))
+                + &channel.direction.times(&d);
+            let v_y_hat = x_hat.at(1, 0);
+            let mut next_z = &m
+                * &(&prediction(&design, &v_x, &measured_r, &whole(0))
+                    + &g.times(&(&v_y_hat * &v_y_hat)));
+            for (rule, h) in design.vertices.iter().zip(&h) {
+                let by_rule =
+                    &(&Matrix::exactly(&rule.n) * &z) + &(&Matrix::exactly(&rule.l) * &y);
+                next_z = &next_z + &by_rule.times(h);
+            }
+            let next_e = &(&m * &next_x) - &next_z;
+
+            let [low, high] = design.premise.v_y_m_per_s.map(|v_y| whole(2) * exact(v_y));
+            let at_high = (&v_y + &v_y_hat - &low) / (high - &low);
+            let of_k = weights(&design, &v_x, &v_y, &r);
+            let state = Matrix::new(8, 1, |row, _| match row {
+                0..3 => e.at(row, 0),
+                3 => d.clone(),
+                4 => noise.clone(),
+                _ => next_e.at(row - 5, 0),
+            });
+            let mut left = Matrix::zeros(3, 1);
+            let dynamics = ErrorDynamics::new(&design);
+            for course in dynamics.courses(channel) {
+                let of_rho =
+                    if course.rho > 0.0 { at_high.clone() } else { whole(1) - &at_high };
+                let of_k = &of_k[course.vertex.unwrap_or_default()];
+                for (course, h) in course.by_rule.iter().zip(&h) {
+                    left = &left + &(course * &state).times(&(h * &of_rho * of_k));
+                }
+            }
+            prop_assert!(approximate(&left.largest()) < 1e-13);
+
+            // r = y - C x^.
+            let residual = &y - &(&c * &x_hat);
+            let state = Matrix::new(5, 1, |row, _| state.at(row, 0));
+            let [w_1, w_2] = design.evaluation.weights;
+            let weighted = &Matrix::exactly(&[[w_1, 0.0], [0.0, w_2]]) * &residual;
+            let missed = &(&dynamics.output_with(channel) * &state) - &weighted;
+            prop_assert!(approximate(&missed.largest()) < 1e-13);
+        }
+    }
+}

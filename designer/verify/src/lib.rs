@@ -163,7 +163,7 @@ pub enum Refusal {
     #[error("`{key}` = {claimed} is more than is proven: {proven}")]
     Claim {
         /// The figure.
-        key: String,
+        key: &'static str,
         /// What the file says.
         claimed: f64,
         /// What holds.

@@ -70,12 +70,12 @@ fn derivative(x: &Coefficients, [v_x, s, s_2]: &OfSpeed, v_y: &Rational, r: &Rat
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use proptest::prelude::*;
 
     use super::*;
 
-    fn design() -> Design {
+    pub fn design() -> Design {
         let text = include_str!("../tests/fixtures/noise.json");
         Design::read(text).map(|(design, _)| design).unwrap_or_else(|error| panic!("{error}"))
     }
@@ -89,6 +89,32 @@ mod tests {
     fn bernstein(t: &Rational) -> [Rational; 4] {
         let u = whole(1) - t;
         [&u * &u * &u, whole(3) * t * &u * &u, whole(3) * t * t * &u, t * t * t]
+    }
+
+    /// Weights of the vertices whose mean is K at a point.
+    pub fn weights(design: &Design, v_x: &Rational, v_y: &Rational, r: &Rational) -> Vec<Rational> {
+        let [slowest, fastest] = design.premise.v_x_m_per_s;
+        let [s, s_0, s_1] = [v_x, &exact(fastest), &exact(slowest)].map(Rational::recip);
+        let c = [
+            s_0.clone(),
+            (whole(2) * &s_0 + &s_1) / whole(3),
+            (&s_0 + whole(2) * &s_1) / whole(3),
+            s_1.clone(),
+        ];
+        let bernstein = bernstein(&((&s - &s_0) / (s_1 - s_0)));
+        let corners = |x: &Rational, [from, to]: [f64; 2]| {
+            let share = (x - exact(from)) / (exact(to) - exact(from));
+            [whole(1) - &share, share]
+        };
+        let mut weights = Vec::new();
+        for (b, c) in bernstein.iter().zip(&c) {
+            for of_v_y in corners(v_y, design.premise.v_y_m_per_s) {
+                for of_r in corners(r, design.premise.r_rad_per_s) {
+                    weights.push(b * c / &s * &of_v_y * of_r);
+                }
+            }
+        }
+        weights
     }
 
     fn point(range: [f64; 2]) -> impl Strategy<Value = (f64, f64, f64)> {
@@ -116,39 +142,13 @@ mod tests {
                 &Coefficients::new(&design), &of_speed(&exact(v_x)), &exact(v_y), &exact(r),
             );
 
-            let share = |x: &Rational, from: &Rational, to: &Rational| (x - from) / (to - from);
-            let [s, s_0, s_1] = [v_x, fastest, slowest].map(|v_x| exact(v_x).recip());
-            let third = whole(3);
-            let c = [
-                s_0.clone(),
-                (whole(2) * &s_0 + &s_1) / &third,
-                (&s_0 + whole(2) * &s_1) / &third,
-                s_1.clone(),
-            ];
-            let of_speed: Vec<_> =
-                bernstein(&share(&s, &s_0, &s_1)).iter().zip(c).map(|(b, c)| b * c / &s).collect();
-            let corners = |x: f64, from: f64, to: f64| {
-                let share = share(&exact(x), &exact(from), &exact(to));
-                [whole(1) - &share, share]
-            };
-            let (of_v_y, of_r) = (corners(v_y, right, left), corners(r, least, most));
-
-            let mut vertices = vertices(&design).into_iter();
-            let (mut mean, mut total) = (Matrix::zeros(3, 2), whole(0));
-            for speed in &of_speed {
-                for v_y in &of_v_y {
-                    for r in &of_r {
-                        let weight = speed * v_y * r;
-                        prop_assert!(weight >= whole(0));
-                        let vertex = vertices.next();
-                        mean = &mean + &vertex.map_or(Matrix::zeros(3, 2), |x| x.times(&weight));
-                        total += weight;
-                    }
-                }
-            }
-            prop_assert_eq!(vertices.next().map(|_| ()), None);
-            prop_assert_eq!(total, whole(1));
-            prop_assert_eq!(mean, k);
+            let weights = weights(&design, &exact(v_x), &exact(v_y), &exact(r));
+            prop_assert!(weights.iter().all(|weight| *weight >= whole(0)));
+            prop_assert_eq!(weights.iter().sum::<Rational>(), whole(1));
+            let vertices = vertices(&design);
+            prop_assert_eq!(vertices.len(), weights.len());
+            let terms = vertices.iter().zip(&weights).map(|(vertex, weight)| vertex.times(weight));
+            prop_assert_eq!(terms.fold(Matrix::zeros(3, 2), |sum, term| &sum + &term), k);
         }
 
         /// K against the difference of the model's own equations (1)-(3) at two measured premises,
@@ -175,7 +175,7 @@ mod tests {
     }
 
     /// `T_s (A(xi) x + g(xi))` without what does not depend on xi, from (1)-(3).
-    fn prediction(design: &Design, v_x: &Rational, r: &Rational, v_y: &Rational) -> Matrix {
+    pub fn prediction(design: &Design, v_x: &Rational, r: &Rational, v_y: &Rational) -> Matrix {
         let v = &design.vehicle;
         let (c_f, c_r) = (
             exact(v.front_cornering_stiffness_n_per_rad),

@@ -171,26 +171,31 @@ fn check_figures(
     let gap =
         exact(claimed.beta) * &channels.smallest_fault / (exact(claimed.gamma) * &channels.bound);
     for (key, claimed, holds, proven) in [
-        ("beta", claimed.beta, square(claimed.beta) <= square(beta), beta),
-        ("gamma", claimed.gamma, square(claimed.gamma) >= blocks, approximate(&blocks).sqrt()),
+        ("performance.certified.beta", claimed.beta, square(claimed.beta) <= square(beta), beta),
         (
-            "gamma_full_band",
+            "performance.certified.gamma",
+            claimed.gamma,
+            square(claimed.gamma) >= blocks,
+            approximate(&blocks).sqrt(),
+        ),
+        (
+            "performance.certified.gamma_full_band",
             claimed.gamma_full_band,
             square(claimed.gamma_full_band) >= square(full),
             full,
         ),
-        ("gap", claimed.gap, exact(claimed.gap) <= gap, approximate(&gap)),
+        ("performance.certified.gap", claimed.gap, exact(claimed.gap) <= gap, approximate(&gap)),
     ] {
         if !holds {
-            let key = format!("performance.certified.{key}");
             return Err(Refusal::Claim { key, claimed, proven });
         }
     }
     Ok(())
 }
 
+/// The bound on the error neither grows nor changes its sign.
 fn check_decay(key: &'static str, decay: f64) -> Result<(), Refusal> {
-    if decay > 1.0 {
+    if decay <= 0.0 || decay > 1.0 {
         return Err(Refusal::Range { key: key.into(), value: [0.0, decay] });
     }
     Ok(())
@@ -282,7 +287,7 @@ fn prove_start_up(dynamics: &ErrorDynamics, design: &Design) -> Result<Margin, R
         let largest = p.at(1, 1) * &v_y * &v_y;
         if amplitude < whole(0) || &amplitude * &amplitude < largest {
             return Err(Refusal::Claim {
-                key: "evaluation.start_up.amplitude".into(),
+                key: "evaluation.start_up.amplitude",
                 claimed: start_up.amplitude,
                 proven: approximate(&largest).sqrt(),
             });

@@ -1,43 +1,64 @@
 //! Changed design files: refused by their hash, and with a forged hash wherever a proof breaks.
 //!
-//! `fixtures/paper.json` is what `steerguard design examples/paper.toml` wrote once: the format's files stay provable.
+//! The fixtures are what `steerguard design SPEC --output FILE` wrote: `paper.json` of
+//! `examples/paper.toml`, the others of the specification beside them. A design is the same bytes
+//! wherever it is made with the same solver.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use serde_json::{Value, json};
 use steerguard_verify::{Family, Refusal, Verdict, content_hash, verify};
 
+/// One disturbance, no noise; gains of a synthesis.
 const PAPER: &str = include_str!("fixtures/paper.json");
+/// The same specification; gains of a search.
+const GAP: &str = include_str!("fixtures/gap.json");
+/// Side wind and speed noise in a low band, yaw moment and yaw-rate noise in the full one; two
+/// faults; weights.
+const NOISE: &str = include_str!("fixtures/noise.json");
 
-fn paper() -> Value {
-    serde_json::from_str(PAPER).unwrap()
+fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
 }
 
 fn verified(design: &Value) -> Result<Verdict, Refusal> {
     verify(&design.to_string())
 }
 
-/// The paper's design with a change, refused by its hash; then proven or not with a forged one.
-fn with_forged_hash(change: impl FnOnce(&mut Value)) -> Result<Verdict, Refusal> {
-    let mut design = paper();
+/// A design with a change, refused by its hash; then proven or not with a forged one.
+fn forged(text: &str, change: impl FnOnce(&mut Value)) -> Result<Verdict, Refusal> {
+    let mut design = parsed(text);
     change(&mut design);
     assert!(matches!(verified(&design), Err(Refusal::Hash { .. })));
     design["hash"] = content_hash(&design).into();
     verified(&design)
 }
 
+/// The same of the paper's design.
+fn with_forged_hash(change: impl FnOnce(&mut Value)) -> Result<Verdict, Refusal> {
+    forged(PAPER, change)
+}
+
 fn at<'a>(design: &'a mut Value, pointer: &str) -> &'a mut Value {
     design.pointer_mut(pointer).unwrap_or_else(|| panic!("{pointer}"))
 }
 
-/// Refusal of the file whose numbers at `pointers` were changed.
+/// Applies `change` to the numbers at `pointers`.
+fn each(design: &mut Value, pointers: &[&str], change: impl Fn(f64) -> f64) {
+    for pointer in pointers {
+        let number = at(design, pointer);
+        *number = change(number.as_f64().unwrap()).into();
+    }
+}
+
+/// What becomes of the paper's design whose numbers at `pointers` were changed.
 fn changed(pointers: &[&str], change: impl Fn(f64) -> f64) -> Result<Verdict, Refusal> {
-    with_forged_hash(|design| {
-        for pointer in pointers {
-            let number = at(design, pointer);
-            *number = change(number.as_f64().unwrap()).into();
-        }
-    })
+    with_forged_hash(|design| each(design, pointers, change))
+}
+
+/// What becomes of the design with noise.
+fn noise_changed(pointers: &[&str], change: impl Fn(f64) -> f64) -> Result<Verdict, Refusal> {
+    forged(NOISE, |design| each(design, pointers, change))
 }
 
 fn plus(pointer: &str, difference: f64) -> Result<Verdict, Refusal> {
@@ -48,12 +69,14 @@ fn times(pointer: &str, factor: f64) -> Result<Verdict, Refusal> {
     changed(&[pointer], |x| x * factor)
 }
 
+fn swap(design: &mut Value, a: &str, b: &str) {
+    let taken = at(design, a).take();
+    let other = std::mem::replace(at(design, b), taken);
+    *at(design, a) = other;
+}
+
 fn swapped(a: &str, b: &str) -> Result<Verdict, Refusal> {
-    with_forged_hash(|design| {
-        let taken = at(design, a).take();
-        let other = std::mem::replace(at(design, b), taken);
-        *at(design, a) = other;
-    })
+    with_forged_hash(|design| swap(design, a, b))
 }
 
 fn replaced(pointer: &str, value: Value) -> Result<Verdict, Refusal> {
@@ -87,14 +110,20 @@ fn papers_design_is_proven() {
     }
     assert!(verdict.residues.observer_equation < 1e-14);
     let text = verdict.to_string();
-    for part in ["certified", "<= 4 sin^2(0.094248 / 2) sum e e'", "Unconditionally", "0.97^k"] {
+    for part in [
+        "certified",
+        "<= 4 sin^2(0.094248 / 2) sum e e'",
+        "Unconditionally",
+        "0.97^k",
+        "side wind (0.1)",
+    ] {
         assert!(text.contains(part), "{text}");
     }
 }
 
 #[test]
 fn layout_order_of_keys_and_notation_are_free() {
-    let compact = paper().to_string();
+    let compact = parsed(PAPER).to_string();
     let other_notation = PAPER.replacen("\"window\": 40,", "\"window\": 4.0e1,", 1);
     assert_ne!(other_notation, PAPER);
     let hash = verify(PAPER).unwrap().hash;
@@ -166,50 +195,212 @@ fn wider_ranges_and_bands_are_refused() {
     refused!(changed(&speed, |x| -x), Refusal::Range { .. });
     let upper = ["/spec/fault/0/band_hz/1", "/spec/disturbance/0/band_hz/1"];
     refused!(times(upper[0], 1.1), Refusal::Cosine { family: Family::FaultSensitivity, .. });
-    refused!(times(upper[1], 1.1), Refusal::Cosine { family: Family::DisturbanceAttenuation, .. });
+    refused!(
+        times(upper[1], 1.1),
+        Refusal::Cosine { family: Family::DisturbanceAttenuation(0), .. }
+    );
     refused!(plus("/spec/fault/0/band_hz/0", 0.1), Refusal::Band { .. });
 }
 
 #[test]
 fn better_figures_are_refused() {
     let certified = |key: &str| format!("/performance/certified/{key}");
-    broken(times(&certified("beta"), 1.01), Family::FaultSensitivity);
-    broken(times(&certified("gamma_full_band"), 0.99), Family::FullBandAttenuation);
+    let gain = |of: &str| format!("/certificate/a_posteriori/{of}/gain");
+    // Beyond the certificate's gain, then with a gain beyond its inequalities.
+    for (key, of, factor, family) in [
+        ("beta", "beta", 1.01, Family::FaultSensitivity),
+        ("gamma", "gamma/0", 0.99, Family::DisturbanceAttenuation(0)),
+        ("gamma_full_band", "gamma_full_band", 0.99, Family::FullBandAttenuation),
+    ] {
+        refused!(times(&certified(key), factor), Refusal::Claim { .. });
+        broken(changed(&[&gain(of), &certified(key)], |x| x * factor), family);
+        refused!(times(&certified(key), -1.0), Refusal::NotPositive { .. });
+        broken(times(&gain(of), factor), family);
+    }
     broken(times(&certified("decay"), 0.95), Family::Decay);
     refused!(times(&certified("decay"), 1.1), Refusal::Range { .. });
     refused!(times(&certified("gap"), 1.01), Refusal::Claim { .. });
     refused!(times(&certified("gamma"), 1.01), Refusal::Claim { .. });
-    broken(times(&certified("gamma"), 0.99), Family::DisturbanceAttenuation);
-    refused!(times(&certified("gamma"), -1.0), Refusal::NotPositive { .. });
+    // A sign does not make a gain smaller than it is.
+    refused!(times(&gain("gamma_full_band"), -2.0), Refusal::Claim { .. });
     // The gap counts faults and disturbances in units of what is stated.
     refused!(times("/spec/disturbance/0/bound_m_per_s2", 1.01), Refusal::Claim { .. });
     refused!(times("/spec/fault/0/smallest_deg", 0.99), Refusal::Claim { .. });
     refused!(times("/evaluation/start_up/amplitude", 0.99), Refusal::Claim { .. });
     broken(times("/evaluation/start_up/decay", 0.9), Family::StartUp);
-    broken(times("/evaluation/weights/1", 1.1), Family::StartUp);
+    refused!(times("/evaluation/start_up/decay", -1.0), Refusal::Range { .. });
+}
+
+#[test]
+fn changed_weights_are_refused() {
+    let [of_spec, used] = ["/spec/evaluation/weights/1", "/evaluation/weights/1"];
+    refused!(times(used, 1.1), Refusal::Contradiction { .. });
+    refused!(times(of_spec, 1.1), Refusal::Contradiction { .. });
+    broken(changed(&[of_spec, used], |x| 1.1 * x), Family::StartUp);
+    // A smaller weight keeps all but the sensitivity to faults.
+    broken(changed(&[of_spec, used], |x| 0.9 * x), Family::FaultSensitivity);
 }
 
 #[test]
 fn changed_certificates_are_refused() {
     let of = |pointer: &str| format!("/certificate/a_posteriori/{pointer}");
     refused!(plus(&of("beta/band/two_cos_theta"), 1e-12), Refusal::Cosine { .. });
-    broken(plus(&of("gamma/band/two_cos_theta"), -0.1), Family::DisturbanceAttenuation);
+    broken(plus(&of("gamma/0/band/two_cos_theta"), -0.1), Family::DisturbanceAttenuation(0));
     refused!(plus(&of("beta/P/0/0/1"), 1e-3), Refusal::NotSymmetric { .. });
-    refused!(plus(&of("gamma/band/Q/0/1"), 1e-3), Refusal::NotSymmetric { .. });
+    refused!(plus(&of("gamma/0/band/Q/0/1"), 1e-3), Refusal::NotSymmetric { .. });
     broken(
         replaced(&of("beta/band/Q"), json!([[0, 0, 0], [0, 0, 0], [0, 0, 0]])),
         Family::FaultSensitivity,
     );
-    broken(replaced(&of("gamma/band"), Value::Null), Family::DisturbanceAttenuation);
-    broken(plus(&of("gamma/P/1/2/2"), 1.0), Family::DisturbanceAttenuation);
+    broken(replaced(&of("gamma/0/band"), Value::Null), Family::DisturbanceAttenuation(0));
+    broken(plus(&of("gamma/0/P/1/2/2"), 1.0), Family::DisturbanceAttenuation(0));
     broken(plus(&of("gamma_full_band/X/2/1/0/1"), 1.0), Family::FullBandAttenuation);
     broken(swapped(&of("beta/X/0/0"), &of("beta/X/3/3")), Family::FaultSensitivity);
     refused!(replaced(&of("beta/X/1/1"), json!([[0, 0, 0]])), Refusal::Shape { .. });
-    broken(swapped(&of("gamma"), &of("gamma_full_band")), Family::DisturbanceAttenuation);
+    refused!(swapped(&of("gamma/0"), &of("gamma_full_band")), Refusal::Claim { .. });
+    let matrices = with_forged_hash(|design| {
+        for key in ["P", "X"] {
+            swap(design, &of(&format!("gamma/0/{key}")), &of(&format!("gamma_full_band/{key}")));
+        }
+    });
+    broken(matrices, Family::DisturbanceAttenuation(0));
     broken(swapped("/certificate/P_s/0", "/certificate/P_s/3"), Family::Decay);
     broken(times("/certificate/P_s/2/2/2", -1.0), Family::Decay);
     for key in ["/certificate/a_posteriori", "/performance/certified"] {
         refused!(replaced(key, Value::Null), Refusal::NoCertificate { .. });
+    }
+}
+
+#[test]
+fn gains_of_a_search_are_proven() {
+    let verdict = verify(GAP).unwrap();
+    // Limited by the disturbance, the gap is that of the synthesis; beta is not.
+    assert!((verdict.figures.gap - 18.317).abs() < 0.01);
+    let design = parsed(GAP);
+    for key in ["statement", "attenuation", "P_f", "Q_f", "R", "margins"] {
+        assert_eq!(design["certificate"][key], Value::Null, "{key}");
+    }
+}
+
+#[test]
+fn bands_and_bounded_noise_are_proven() {
+    let verdict = verify(NOISE).unwrap();
+    let counts: Vec<usize> = verdict.margins.iter().map(|margin| margin.inequalities).collect();
+    // Q + 10 pairs of rules x 4 successors x 2 rho x 16 K; the second band is the full one.
+    assert_eq!(counts, [36, 36, 81, 1281, 1280, 1280]);
+    for margin in &verdict.margins {
+        assert!(margin.smallest_pivot > 1e-8 && margin.smallest_pivot <= 1.0, "{margin:?}");
+    }
+    let text = verdict.to_string();
+    for part in [
+        "W_r = diag(0.1, 1)",
+        "side wind (0.1), noise of v_x (0.05) whose error obeys",
+        "tyre pull (20), noise of r (0.001): ||W_r r||",
+        "the root of the sum of squares",
+        "e = x - x^ - E D_y v",
+        "gamma[1]",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn changed_blocks_are_refused() {
+    let gamma = "/certificate/a_posteriori/gamma";
+    let gain = |band: usize| format!("{gamma}/{band}/gain");
+    for band in 0..2 {
+        let smaller = noise_changed(&[&gain(band)], |x| 0.99 * x);
+        broken(smaller, Family::DisturbanceAttenuation(band));
+        let larger = noise_changed(&[&gain(band)], |x| 1.01 * x);
+        refused!(larger, Refusal::Claim { .. });
+    }
+    let dropped = forged(NOISE, |design| {
+        at(design, gamma).as_array_mut().unwrap().pop();
+    });
+    refused!(dropped, Refusal::Shape { key: "certificate.a_posteriori.gamma", .. });
+    let doubled = forged(NOISE, |design| {
+        let blocks = at(design, gamma).as_array_mut().unwrap();
+        blocks.push(blocks[1].clone());
+    });
+    refused!(doubled, Refusal::Shape { key: "certificate.a_posteriori.gamma", .. });
+    // Both have two inputs, and the sum of squares stays the same.
+    let swapped = forged(NOISE, |design| {
+        swap(design, &format!("{gamma}/0"), &format!("{gamma}/1"));
+    });
+    broken(swapped, Family::DisturbanceAttenuation(0));
+    // The figure of one band alone is no figure of all.
+    let best = parsed(NOISE).pointer(&gain(0)).unwrap().as_f64().unwrap();
+    refused!(noise_changed(&["/performance/certified/gamma"], |_| best), Refusal::Claim { .. });
+}
+
+#[test]
+fn changed_noise_is_refused() {
+    let noise = "/spec/noise";
+    let [speed, yaw_rate] =
+        ["v_x/bound_m_per_s", "r/bound_rad_per_s"].map(|bound| format!("{noise}/{bound}"));
+    broken(noise_changed(&[&speed], |x| 1.01 * x), Family::DisturbanceAttenuation(0));
+    broken(noise_changed(&[&yaw_rate], |x| 1.01 * x), Family::DisturbanceAttenuation(1));
+    refused!(noise_changed(&[&yaw_rate], |x| -x), Refusal::NotPositive { .. });
+    let set = |pointer: &str, value: Value| forged(NOISE, |design| *at(design, pointer) = value);
+    // Noise that is left out, or moves to another band.
+    refused!(set(&yaw_rate, Value::Null), Refusal::Shape { key: "D_y", .. });
+    let all_frequencies = format!("{noise}/v_x/band_hz");
+    refused!(set(&all_frequencies, Value::Null), Refusal::Shape { .. });
+    let band = |band: Value| set(&format!("{noise}/v_x/band_hz"), band);
+    refused!(band(json!([0.0, 2.0])), Refusal::Shape { .. });
+    refused!(band(json!([1.0, 2.0])), Refusal::Band { .. });
+
+    refused!(set("/D_y", Value::Null), Refusal::Contradiction { .. });
+    refused!(set("/D_y", json!([[1.0], [0.0]])), Refusal::Shape { key: "D_y", .. });
+    refused!(noise_changed(&["/D_y/0/0"], |x| 0.99 * x), Refusal::Model { .. });
+    refused!(noise_changed(&["/D_y/1/0"], |x| x + 1e-3), Refusal::Model { .. });
+    refused!(replaced("/D_y", json!([[0.0], [1.0]])), Refusal::Shape { key: "D_y", .. });
+}
+
+/// The longitudinal drag is in no matrix of the file: it acts by K alone, on the speed's noise.
+#[test]
+fn noise_by_the_measured_premise_counts() {
+    let drag = ["", "/spec"].map(|at| format!("{at}/vehicle/longitudinal_drag_n_m_s2_per_m2"));
+    let drag = drag.each_ref().map(String::as_str);
+    let result = noise_changed(&drag, |x| 30.0 * x);
+    let Err(Refusal::Broken { family, combination, .. }) = result else { panic!("{result:?}") };
+    assert_eq!(family, Family::DisturbanceAttenuation(0));
+    assert!(combination.to_string().contains("of K"), "{combination}");
+    changed(&drag, |x| 30.0 * x).unwrap();
+
+    // v_y's range bounds K and rho.
+    let v_y = ["/premise/v_y_m_per_s/1", "/spec/operating_range/v_y_m_per_s/1"];
+    let wider = forged(NOISE, |design| {
+        each(design, &v_y, |x| 1.5 * x);
+        each(design, &["/evaluation/start_up/amplitude"], |x| 1.5 * x);
+    });
+    let Err(Refusal::Broken { family, .. }) = wider else { panic!("{wider:?}") };
+    assert!(matches!(family, Family::DisturbanceAttenuation(_)), "{family}");
+}
+
+#[test]
+fn changed_faults_are_refused() {
+    for element in ["/F/1/0", "/F/0/1"] {
+        let result = noise_changed(&[element], |x| x * (1.0 + 1e-9));
+        refused!(result, Refusal::Model { .. });
+    }
+    let swapped = forged(NOISE, |design| swap(design, "/spec/fault/0", "/spec/fault/1"));
+    refused!(swapped, Refusal::Model { .. });
+    // Beta is about the first.
+    let other = forged(NOISE, |design| {
+        swap(design, "/spec/fault/0", "/spec/fault/1");
+        for row in 0..3 {
+            swap(design, &format!("/F/{row}/0"), &format!("/F/{row}/1"));
+        }
+    });
+    refused!(other, Refusal::Claim { .. } | Refusal::Broken { .. });
+    let fewer = forged(NOISE, |design| {
+        at(design, "/spec/fault").as_array_mut().unwrap().pop();
+    });
+    refused!(fewer, Refusal::Shape { key: "F", .. });
+    for key in ["fault", "disturbance"] {
+        let none = replaced(&format!("/spec/{key}"), json!([]));
+        refused!(none, Refusal::Shape { .. });
     }
 }
 
@@ -223,6 +414,7 @@ fn changes_that_leave_a_theorem() {
     changed(&v_y, |x| 0.9 * x).unwrap();
     times("/performance/certified/gap", 0.99).unwrap();
     times("/performance/certified/gamma_full_band", 1.01).unwrap();
+    changed(&["/performance/certified/beta", "/performance/certified/gap"], |x| 0.99 * x).unwrap();
     // One unit in the last place of a gain is within the residues that the verdict states, and the
     // inequalities are those of the changed gain.
     changed(&["/vertices/3/N/1/1"], f64::next_up).unwrap();
