@@ -41,7 +41,7 @@ const MARGIN: f64 = 1e-7;
 /// Smallest eigenvalue, in the same units, that rounding cannot have made up.
 const CONFIRMED: f64 = 1e-9;
 /// Steps from the optimum, relative.
-const BACK_OFF: [f64; 2] = [1e-3, 1e-2];
+const BACK_OFF: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// No larger margin is asked for.
 const LARGEST_MARGIN: f64 = 1e-4;
 /// Rounding of `2 cos(theta)`, of magnitude two, with theta's own.

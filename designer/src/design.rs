@@ -286,7 +286,11 @@ fn by_gap(
 
 /// What stands in the way of a synthesis.
 fn infeasible(spec: &Spec, theorem: &Theorem4) -> DesignError {
-    DesignError::Infeasible(diagnose(theorem, spec.design.gamma, spec.design.beta_fraction))
+    let gamma = match spec.design.method {
+        MethodName::Paper => Some(spec.design.gamma),
+        MethodName::Gap => None,
+    };
+    DesignError::Infeasible(diagnose(theorem, gamma, spec.design.beta_fraction))
 }
 
 /// The figures of the faults that the gains were not made for.

@@ -3,17 +3,20 @@
 #![allow(clippy::unwrap_used)]
 
 use serde::Deserialize;
-use steerguard_designer::certificate::ErrorDynamics;
-use steerguard_designer::certified::{Gain, certified, certify};
+use steerguard_designer::band::Band;
+use steerguard_designer::certified::{Error, Gain, certified, certify};
+use steerguard_designer::channel::Channel;
 use steerguard_designer::frequency::frozen;
 use steerguard_designer::gains::ObserverGains;
 use steerguard_designer::lmi::Matrix;
+use steerguard_designer::operating_point::OperatingPoint;
 use steerguard_designer::spec::{Calibration, Disturbance, Manoeuvre};
 use steerguard_designer::synthesis::{Goal, solve};
-use steerguard_designer::theorem4::{Band, Channel, Theorem4, g_rho, matrix};
+use steerguard_designer::theorem4::{Theorem4, matrix};
 use steerguard_designer::{Design, DesignStatus, Spec, design};
 use steerguard_verify::{Refusal, verify};
 
+const PAPER: &str = include_str!("../../examples/paper.toml");
 const THETA: f64 = std::f64::consts::TAU * 1.5 * 0.01;
 
 fn near(value: f64, expected: f64, relative: f64) {
@@ -60,29 +63,29 @@ struct Value {
     value: f64,
 }
 
+fn papers_theorem() -> Theorem4 {
+    let spec = Spec::paper();
+    spec.theorem(&spec.inputs().unwrap())
+}
+
 #[test]
 fn values_agree_with_an_independent_solver() {
     let cases: Vec<Case> =
         serde_json::from_str(include_str!("fixtures/certified_gains.json")).unwrap();
-    let spec = Spec::paper();
-    let model = spec.model();
-    let c = matrix(&steerguard_detector::C);
+    let theorem = papers_theorem();
     for case in cases {
-        let m = Matrix::identity(3, 3) + matrix(&case.e) * &c;
-        let dynamics: ErrorDynamics = std::array::from_fn(|i| {
-            let n = &m * matrix(&model.vertices()[i]) - matrix(&case.h[i]) * &c;
-            [-3.0, 3.0].map(|rho| &n + &m * g_rho(&model, rho))
-        });
-        let inputs = case.d[0].len();
-        let from_disturbances = &m * Matrix::from_fn(3, inputs, |row, column| case.d[row][column]);
-        let from_fault = &m * spec.f();
+        let h = case.h.each_ref().map(|h| matrix(h));
+        let gains = ObserverGains::new(&matrix(&case.e), &h, &theorem.a);
+        let d = Matrix::from_fn(3, case.d[0].len(), |row, column| case.d[row][column]);
+        let disturbances = Channel::disturbance(d, Band::Low(THETA));
         // Either solver stops within 1e-4 of the optimum, with its own margin.
         for (input, band, gain, expected) in [
-            (&from_fault, Band::Low(THETA), Gain::Smallest, case.beta.value),
-            (&from_disturbances, Band::Low(THETA), Gain::Largest, case.gamma.value),
-            (&from_disturbances, Band::Full, Gain::Largest, case.gamma_full_band.value),
+            (&theorem.fault, Band::Low(THETA), Gain::Smallest, case.beta.value),
+            (&disturbances, Band::Low(THETA), Gain::Largest, case.gamma.value),
+            (&disturbances, Band::Full, Gain::Largest, case.gamma_full_band.value),
         ] {
-            let (value, _) = certify(&dynamics, input, band, gain, input.norm()).unwrap();
+            let error = Error::new(&theorem, &gains, input);
+            let value = certify(&error, band, gain, input.norm()).unwrap().gain;
             assert!((value / expected - 1.0).abs() < 1e-3, "{}: {value}, {expected}", case.name);
         }
     }
@@ -91,14 +94,12 @@ fn values_agree_with_an_independent_solver() {
 #[test]
 fn papers_largest_beta_is_worth_its_reference_values() {
     let spec = Spec::paper();
-    let model = spec.model();
-    let disturbance = Channel { direction: spec.d(), band: Band::Low(THETA) };
-    let fault = Channel { direction: spec.f(), band: Band::Low(THETA) };
-    let theorem = Theorem4::new(&model, &disturbance, &fault, &spec.multipliers(), 0.97);
+    let inputs = spec.inputs().unwrap();
+    let theorem = papers_theorem();
     let synthesis = solve(&theorem, Goal::LargestBeta { gamma: Some(0.8) }).unwrap();
-    let magnitudes = frozen(&model, &synthesis.gains, &disturbance, &fault);
-    let (figures, _) =
-        certified(&theorem, &synthesis.gains, &magnitudes, 0.5_f64.to_radians(), 0.1).unwrap();
+    let points = OperatingPoint::grid(&spec.model());
+    let magnitudes = frozen(&points, &synthesis.gains.gains, &inputs);
+    let (figures, _) = certified(&theorem, &synthesis.gains, &magnitudes, &inputs).unwrap();
     // METHOD.md 7.
     near(figures.beta, 1.10, 0.02);
     assert!(figures.gamma < 0.0056, "{figures:?}");
@@ -121,7 +122,11 @@ const S1: &str = r#"
     kind = "direction"
     direction = [0, 0, 1]
     bound = 0.1
+    [noise]
+    v_x.white_std_m_per_s = 0
+    r.white_std_rad_per_s = 0
     [design]
+    method = "paper"
     alpha_d = 0.02
     V = [0, 15.44715447, 14.23425414]
 "#;
@@ -142,7 +147,7 @@ fn two_disturbances_reach_the_reference_gap() {
 
 #[test]
 fn certified_figures_lie_between_synthesis_and_frozen_ones() {
-    for text in ["", S1] {
+    for text in [PAPER, S1] {
         let Design { synthesis, performance, .. } = designed(text);
         let (certified, frozen) = (performance.certified.unwrap(), performance.frozen);
         assert!(synthesis.beta < certified.beta && certified.beta < frozen.beta);
@@ -155,24 +160,22 @@ fn certified_figures_lie_between_synthesis_and_frozen_ones() {
 /// The paper's gains, certified for a disturbance of another band.
 #[test]
 fn full_and_high_bands_of_disturbances_are_proven() {
-    let papers = designed("");
-    let spec = &papers.spec;
-    let model = spec.model();
-    let fault = Channel { direction: spec.f(), band: Band::Low(THETA) };
+    let papers = designed(PAPER);
+    let points = OperatingPoint::grid(&papers.spec.model());
     let gains = ObserverGains {
         gains: papers.configuration().gains,
         h: papers.vertices.map(|rule| rule.h),
     };
     let theta = std::f64::consts::TAU * 0.5 * 0.01;
     for (band, band_hz) in [(Band::Full, [0.0, 50.0]), (Band::High(theta), [0.5, 50.0])] {
-        let disturbance = Channel { direction: spec.d(), band };
-        let theorem = Theorem4::new(&model, &disturbance, &fault, &spec.multipliers(), 0.97);
-        let magnitudes = frozen(&model, &gains, &disturbance, &fault);
-        let (figures, certificate) =
-            certified(&theorem, &gains, &magnitudes, 0.5_f64.to_radians(), 0.1).unwrap();
+        let mut inputs = papers.spec.inputs().unwrap();
+        inputs.disturbances[0].band = band;
+        let theorem = papers.spec.theorem(&inputs);
+        let magnitudes = frozen(&points, &gains.gains, &inputs);
+        let (figures, certificate) = certified(&theorem, &gains, &magnitudes, &inputs).unwrap();
         assert!(magnitudes.gamma < figures.gamma);
         assert!(figures.gamma < figures.gamma_full_band * (1.0 + 1e-4));
-        assert_eq!(certificate.gamma.band.is_none(), band == Band::Full);
+        assert_eq!(certificate.gamma[0].band.is_none(), band == Band::Full);
 
         let mut design = papers.clone();
         design.spec.disturbance = vec![Disturbance::SideWind {
@@ -191,7 +194,7 @@ fn full_and_high_bands_of_disturbances_are_proven() {
         // Of a high band, 2 cos(theta) must not be too small.
         let mut wider = design.clone();
         if let Some(a_posteriori) = &mut wider.certificate.a_posteriori
-            && let Some(band) = &mut a_posteriori.gamma.band
+            && let Some(band) = &mut a_posteriori.gamma[0].band
         {
             band.two_cos_theta -= 1e-12;
             assert!(matches!(proof(&mut wider), Err(Refusal::Cosine { .. })));
@@ -226,19 +229,19 @@ fn another_vehicle_range_and_period_is_proven() {
 
 #[test]
 fn unstable_error_dynamics_have_no_certificate() {
-    let model = Spec::paper().model();
-    let dynamics: ErrorDynamics = model.vertices().map(|a| {
-        let mut n = matrix(&a);
-        n[(0, 0)] = 1.2;
-        [-3.0, 3.0].map(|rho| &n + g_rho(&model, rho))
-    });
+    let theorem = papers_theorem();
+    // Without E, and with -0.2 fed back from v_x, N is A but for 1.2 in its first element.
+    let h = Matrix::from_fn(3, 2, |row, column| if (row, column) == (0, 0) { -0.2 } else { 0.0 });
+    let h = std::array::from_fn(|_| h.clone());
+    let gains = ObserverGains::new(&Matrix::zeros(3, 2), &h, &theorem.a);
     let input = Matrix::from_column_slice(3, 1, &[0.01, 0.0, 0.0]);
-    assert!(certify(&dynamics, &input, Band::Full, Gain::Largest, 1.0).is_err());
+    let error = Error::new(&theorem, &gains, &Channel::disturbance(input, Band::Full));
+    assert!(certify(&error, Band::Full, Gain::Largest, 1.0).is_err());
 }
 
 #[test]
 fn the_status_is_that_of_the_proof() {
-    let design = designed("");
+    let design = designed(PAPER);
     assert_eq!(design.synthesis.status, DesignStatus::Certified);
     // The same file with a figure beyond the proof is no longer certified by anyone.
     let mut better = design.clone();
@@ -246,7 +249,14 @@ fn the_status_is_that_of_the_proof() {
         certified.gamma *= 0.99;
         certified.gap = 0.0;
     }
-    better.hash = better.computed_hash().unwrap();
-    let refusal = verify(&better.to_json().unwrap()).unwrap_err();
-    assert!(matches!(refusal, Refusal::Broken { .. }), "{refusal}");
+    let refusal = |design: &mut Design| {
+        design.hash = design.computed_hash().unwrap();
+        verify(&design.to_json().unwrap()).unwrap_err()
+    };
+    assert!(matches!(refusal(&mut better), Refusal::Claim { .. }));
+    // Nor is it with a certificate that claims as much.
+    if let Some(a_posteriori) = &mut better.certificate.a_posteriori {
+        a_posteriori.gamma[0].gain *= 0.99;
+    }
+    assert!(matches!(refusal(&mut better), Refusal::Broken { .. }));
 }

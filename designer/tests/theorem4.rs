@@ -2,10 +2,12 @@
 
 use proptest::prelude::*;
 use steerguard_designer::Spec;
+use steerguard_designer::band::Band;
 use steerguard_designer::certificate::check;
+use steerguard_designer::channel::Channel;
 use steerguard_designer::lmi::{Affine, Matrix};
 use steerguard_designer::synthesis::{Goal, solve};
-use steerguard_designer::theorem4::{Band, Channel, Multipliers, Quantities, Theorem4};
+use steerguard_designer::theorem4::{Attenuation, Multipliers, Quantities, Theorem4};
 use steerguard_detector::RULES;
 
 /// 1.5 Hz at 0.01 s, rad a sample.
@@ -18,9 +20,10 @@ fn rows(rows: &[&[f64]]) -> Matrix {
 /// The paper's theorem with decay rate 0.97 and the given disturbance and multipliers.
 fn theorem(d: Matrix, alpha_d: f64, alpha_f: f64, v: Matrix) -> Theorem4 {
     let spec = Spec::paper();
-    let channel = |direction| Channel { direction, band: Band::Low(THETA) };
+    let channel = |direction| Channel::disturbance(direction, Band::Low(THETA));
     let multipliers = Multipliers { alpha_d, alpha_f, v };
-    Theorem4::new(&spec.model(), &channel(d), &channel(spec.f()), &multipliers, 0.97)
+    let (disturbances, fault) = ([channel(d)], channel(spec.f()));
+    Theorem4::new(&spec.model(), &disturbances, &fault, [1.0, 1.0], &multipliers, 0.97)
 }
 
 fn papers_theorem() -> Theorem4 {
@@ -35,8 +38,8 @@ fn data_are_the_papers() {
         assert!((theorem.a[rule][(1, 1)] - a_22).abs() < 1e-8, "METHOD.md 7");
         assert!((theorem.a[rule][(2, 1)] - a_32).abs() < 1e-8, "METHOD.md 7");
     }
-    assert!((theorem.f[(1, 0)] - 0.77235772).abs() < 1e-8, "METHOD.md 7");
-    assert!((theorem.f[(2, 0)] - 0.71171271).abs() < 1e-8, "METHOD.md 7");
+    assert!((theorem.fault.direction[(1, 0)] - 0.77235772).abs() < 1e-8, "METHOD.md 7");
+    assert!((theorem.fault.direction[(2, 0)] - 0.71171271).abs() < 1e-8, "METHOD.md 7");
     // rho = v_y + v_y^ reaches twice the bound of 1.5 m/s.
     assert_eq!(theorem.g_rho[1], -&theorem.g_rho[0]);
     assert!((theorem.g_rho[1][(1, 1)] - 3.0 * -0.01 * 0.45 / 1476.0).abs() < 1e-18);
@@ -108,23 +111,30 @@ fn finsler_forms_are_the_printed_blocks() {
     let r = arbitrary(&mut seed, 3, 3);
     let x: [[Matrix; 2]; RULES] =
         std::array::from_fn(|_| std::array::from_fn(|_| arbitrary(&mut seed, 3, 3)));
-    let (r_d, r_f) = (arbitrary(&mut seed, 3, 2), arbitrary(&mut seed, 3, 1));
+    let r_m = arbitrary(&mut seed, 3, 3);
+    let r_d = &r_m * &theorem.disturbances[0].direction;
+    let r_f = &r_m * &theorem.fault.direction;
     let constant = |x: &Matrix| Affine::from(x.clone());
     let quantities = Quantities {
         p_s: p_s.each_ref().map(constant),
-        p_d: p_d.each_ref().map(constant),
+        attenuation: vec![Attenuation {
+            gamma_squared: Affine::number(0.4),
+            p: p_d.each_ref().map(constant),
+            q: constant(&q_d),
+        }],
         p_f: p_f.each_ref().map(constant),
-        q_d: constant(&q_d),
         q_f: constant(&q_f),
         r: constant(&r),
+        rm: constant(&r_m),
+        // S and W_i come in with sensor noise only.
+        s: Affine::zeros(3, 2),
+        w: std::array::from_fn(|_| Affine::zeros(3, 2)),
         rn: x.each_ref().map(|x| x.each_ref().map(constant)),
-        rd: constant(&r_d),
-        rf: constant(&r_f),
-        gamma_squared: Affine::number(0.4),
         beta_squared: Affine::number(0.3),
     };
 
-    let attenuation = theorem.disturbance_attenuation(&quantities);
+    let [attenuation, further] = theorem.disturbance_attenuation(&quantities);
+    assert!(further.is_empty(), "without noise K has no part");
     let sensitivity = theorem.fault_sensitivity(&quantities);
     let stability = theorem.stability(&quantities);
     // Every rule, successor and vertex of rho; and Q > 0.
@@ -223,7 +233,7 @@ fn bound_on_beta_is_the_minimum_over_the_band() {
     for alpha_f in [-0.5, 0.0, 0.3, 1.0, 2.5] {
         for band in [Band::Low(0.4), Band::High(0.4), Band::Full] {
             let mut theorem = theorem(spec.d(), 2.0, alpha_f, spec.f().transpose());
-            theorem.fault_band = band;
+            theorem.fault.band = band;
             let [from, to] = band.limits();
             let by_search = (0..=10_000)
                 .map(|k| from + (to - from) * f64::from(k) / 1e4)

@@ -190,11 +190,7 @@ impl Default for Scenario {
                 start_s: 5.0,
                 ..Signal::default()
             },
-            sensor_noise: SensorNoise {
-                v_x_std_m_per_s: 0.02,
-                r_std_rad_per_s: 0.002,
-                seed: 1,
-            },
+            sensor_noise: SensorNoise { v_x_std_m_per_s: 0.02, r_std_rad_per_s: 0.002, seed: 1 },
         }
     }
 }
