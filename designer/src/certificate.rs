@@ -76,17 +76,12 @@ pub fn error_dynamics(theorem: &Theorem4, gains: &ObserverGains) -> ErrorDynamic
     gains.gains.n.map(|n| theorem.g_rho.each_ref().map(|g_rho| matrix(&n) + &m * g_rho))
 }
 
-/// Evaluates (13) and (31)-(33) for given numbers.
+/// Evaluates (13) and (31)-(33) for given numbers, gamma of each block among those of `lyapunov`.
 ///
 /// The matrices of (31) and (32) are taken in units of gamma and beta: a congruence, after which
 /// every block is of magnitude one.
-pub fn check(
-    theorem: &Theorem4,
-    gains: &ObserverGains,
-    lyapunov: &Lyapunov,
-    gamma: f64,
-    beta: f64,
-) -> Check {
+pub fn check(theorem: &Theorem4, gains: &ObserverGains, lyapunov: &Lyapunov, beta: f64) -> Check {
+    let gamma = lyapunov.attenuation.iter().map(|block| block.gamma).fold(0.0, f64::hypot);
     let dynamics = error_dynamics(theorem, gains);
     let theorem = theorem.in_units(Units { gamma, beta });
     let m = matrix(&gains.gains.m);

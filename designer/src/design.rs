@@ -243,8 +243,8 @@ fn paper(
     progress(Step::SmallestGamma);
     let synthesis = smallest_gamma(spec, theorem, largest.beta)?;
     progress(Step::Check);
-    let Synthesis { gains, lyapunov, gamma, beta, .. } = &synthesis;
-    let check = check(theorem, gains, lyapunov, *gamma, *beta);
+    let Synthesis { gains, lyapunov, beta, .. } = &synthesis;
+    let check = check(theorem, gains, lyapunov, *beta);
     progress(Step::Certify);
     Ok(Found {
         gains: *gains,

@@ -103,7 +103,9 @@ fn the_file_holds_all_that_the_check_needs() {
     let (theorem, gains, lyapunov) = from_file(design);
     let synthesis = &design.synthesis;
     let check = |gains: &ObserverGains, gamma: f64, beta: f64| {
-        check(&theorem, gains, &lyapunov, gamma, beta)
+        let mut lyapunov = lyapunov.clone();
+        lyapunov.attenuation[0].gamma = gamma;
+        check(&theorem, gains, &lyapunov, beta)
     };
     let margins = check(&gains, synthesis.gamma, synthesis.beta);
     assert_eq!(Some(margins), design.certificate.margins);

@@ -85,7 +85,18 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             "[evaluation.calibration]\nspeed = 3",
             &["`evaluation.calibration.speed`", "did you mean `speeds`?"],
         ),
-        ("[noise]\nr = 1", &["`noise`", "not part of method \"paper\""]),
+        ("[noise]\nr = 1", &["`noise.r`"]),
+        (
+            "[noise.r]\nwhite_std = 1",
+            &["`noise.r.white_std`", "did you mean `white_std_rad_per_s`"],
+        ),
+        ("noise.v_x.white_std_m_per_s = -1", &["`noise.v_x.white_std_m_per_s` = -1.0", ">= 0"]),
+        ("noise.r.bound_rad_per_s = 0", &["`noise.r.bound_rad_per_s` = 0.0", "> 0"]),
+        ("noise.v_x.band_hz = [0, 1.5]", &["`noise.v_x.band_hz`", "with a bound only"]),
+        (
+            "[noise.r]\nbound_rad_per_s = 0.001\nband_hz = [1, 2]",
+            &["`noise.r.band_hz` = [1.0, 2.0]", "middle bands"],
+        ),
         (
             "[[fault]]\nchannel = 'steering'\nsmallest_rad = 1",
             &["`fault[0].smallest_rad`", "did you mean `smallest_deg`?"],
@@ -99,7 +110,8 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("operating_range.v_x_m_per_s = [5]", &["`operating_range.v_x_m_per_s"]),
         ("evaluation.window_samples = -1", &["`evaluation.window_samples`", "-1"]),
         ("design.V = \"G'\"", &["`design.V`", "three numbers"]),
-        ("design.method = 'gap'", &["`design.method`", "gap", "paper"]),
+        ("design.method = 'h2'", &["`design.method`", "h2", "gap", "paper"]),
+        ("design.search_budget = 0", &["`design.search_budget` = 0", "from 1 to 10000"]),
         ("evaluation.threshold = 'guaranteed'", &["`evaluation.threshold`", "calibrated"]),
         // Vehicle.
         ("vehicle.mass_kg = 0", &["`vehicle.mass_kg` = 0.0", "> 0"]),
@@ -122,11 +134,7 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("sampling.period_s = 0.05", &["v_x_m_per_s", "above 11.258", "sampling.period_s = 0.05"]),
         ("operating_range.v_x_m_per_s = [1, 30]", &["[1.0, 30.0]", "above 2.25"]),
         // Channels.
-        ("fault = []", &["`fault` = 0", "one fault"]),
-        (
-            "[[fault]]\nchannel = 'steering'\n[[fault]]\nchannel = 'steering'",
-            &["`fault` = 2", "one fault"],
-        ),
+        ("fault = []", &["`fault` = 0", "from 1 to 8"]),
         ("[[fault]]\nchannel = 'steering'\nsmallest_deg = 0", &["`fault[0].smallest_deg` = 0.0"]),
         (
             "[[fault]]\nchannel = 'steering'\nband_hz = [0, 51]",
@@ -154,9 +162,9 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         (
             &format!(
                 "{disturbance}kind = 'bank'\nbound_deg = 1\n{disturbance}kind = 'bank'\n\
-                 bound_deg = 1\nband_hz = [0, 3]"
+                 bound_deg = 1\nband_hz = [1, 3]"
             ),
-            &["`disturbance[1].band_hz`", "one band"],
+            &["`disturbance[1].band_hz` = [1.0, 3.0]", "middle bands"],
         ),
         // Design and evaluation.
         ("design.gamma = 0", &["`design.gamma` = 0.0"]),

@@ -221,8 +221,7 @@ fn reference_indices_are_met() {
         let synthesis = solve(&theorem, Goal::SmallestGamma { beta }).unwrap();
         let gap = synthesis.beta * degree / synthesis.gamma;
         assert!((gap / expected - 1.0).abs() < 2e-3, "{name}: {gap}, METHOD.md 7");
-        let check =
-            check(&theorem, &synthesis.gains, &synthesis.lyapunov, synthesis.gamma, synthesis.beta);
+        let check = check(&theorem, &synthesis.gains, &synthesis.lyapunov, synthesis.beta);
         assert!(check.holds(), "{name}: {check:?}");
     }
 }
