@@ -169,7 +169,10 @@ pub fn certified(
 /// P_i that prove the decay of the error: `P_i > 0`, `tau^2 P_i - N_i(rho)' P_k N_i(rho) > 0`, with the
 /// largest margin for P_i below I. None where the solver finds none.
 pub fn decay_certificate(theorem: &Theorem4, gains: &ObserverGains) -> Option<[Matrix; RULES]> {
-    let dynamics = error_dynamics(theorem, gains);
+    let error = Error::new(theorem, gains, &theorem.fault);
+    let basis = error.natural_basis();
+    let inverse = basis.clone().try_inverse()?;
+    let error = error.in_basis(&basis, &inverse);
     let mut variables = Variables::default();
     let p: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
     let margin = variables.scalar();
@@ -177,8 +180,8 @@ pub fn decay_certificate(theorem: &Theorem4, gains: &ObserverGains) -> Option<[M
     let mut inequalities: Vec<Affine> =
         p.iter().map(|p| Affine::from(Matrix::identity(3, 3)) - p).collect();
     for_all(|i, k, j| {
-        let n = &dynamics[i][j];
-        let next = &p[k] * n;
+        let n = error.courses[j][i].columns(0, 3).into_owned();
+        let next = &p[k] * &n;
         let x = Affine::blocks([
             [theorem.decay * theorem.decay * &p[i], next.transpose()],
             [next, p[k].clone()],
@@ -187,7 +190,7 @@ pub fn decay_certificate(theorem: &Theorem4, gains: &ObserverGains) -> Option<[M
     });
     let solution = lmi::minimise(&variables, &-&margin, &inequalities).ok()?;
     let holds = solution.is_candidate() && margin.at(&solution.x)[0] > DECAY_MARGIN;
-    holds.then(|| p.map(|p| p.at(&solution.x)))
+    holds.then(|| p.map(|p| congruent(&inverse, &p.at(&solution.x))))
 }
 
 /// The error dynamics with the inputs of one band, at the vertices of rho and K.
@@ -310,10 +313,7 @@ pub fn certify(
     let point = problem.best()?;
 
     // Back to the input's own unit and the error's own basis: congruences.
-    let symmetric = |x: &Matrix| {
-        let x = inverse.transpose() * x * &inverse;
-        rows(&((&x + x.transpose()) / 2.0))
-    };
+    let symmetric = |x: &Matrix| rows(&congruent(&inverse, x));
     let rows_of_x = |x: &Matrix| {
         let mut x = x * &inverse;
         x.rows_mut(3, error.inputs()).scale_mut(unit);
@@ -334,6 +334,12 @@ pub fn certify(
         p: point.p.each_ref().map(symmetric),
         x: point.x.each_ref().map(|x| x.each_ref().map(rows_of_x)),
     })
+}
+
+/// `T' X T`, exactly symmetric.
+fn congruent(t: &Matrix, x: &Matrix) -> Matrix {
+    let x = t.transpose() * x * t;
+    (&x + x.transpose()) / 2.0
 }
 
 /// The conditions of one gain, in a unit in which it is near one.
@@ -411,9 +417,7 @@ impl Problem {
         let unknowns = Unknowns {
             p: std::array::from_fn(|_| variables.symmetric(3)),
             q: variables.symmetric(3),
-            x: std::array::from_fn(|_| {
-                std::array::from_fn(|_| variables.full(6 + self.error.inputs(), 3))
-            }),
+            x: self.multipliers(&mut variables),
         };
         let conditions = self.conditions(&squared, &unknowns);
         let with_margin = |conditions: &[Affine]| -> Vec<Affine> {
@@ -438,6 +442,22 @@ impl Problem {
             q: at(&unknowns.q),
             x: unknowns.x.each_ref().map(|x| x.each_ref().map(at)),
         })
+    }
+
+    /// Whether all X_jk are one: with sensor noise, where the vertices of K multiply the inequalities
+    /// by sixteen. Those of i < j are then sums of those of i = j.
+    fn has_common_multiplier(&self) -> bool {
+        self.error.courses.len() > FIRST_VERTICES
+    }
+
+    /// X_jk.
+    fn multipliers(&self, variables: &mut Variables) -> [[Affine; RULES]; RULES] {
+        let mut x = || variables.full(6 + self.error.inputs(), 3);
+        if self.has_common_multiplier() {
+            let x = x();
+            return std::array::from_fn(|_| std::array::from_fn(|_| x.clone()));
+        }
+        std::array::from_fn(|_| std::array::from_fn(|_| x()))
     }
 
     /// The same inequality after an orthogonal congruence, for the solver's sake. As they stand the
@@ -482,7 +502,9 @@ impl Problem {
                 };
                 for i in 0..RULES {
                     inequalities.push(-l(i, i));
-                    inequalities.extend((i + 1..RULES).map(|j| -(l(i, j) + l(j, i))));
+                    if !self.has_common_multiplier() {
+                        inequalities.extend((i + 1..RULES).map(|j| -(l(i, j) + l(j, i))));
+                    }
                 }
             }
         }

@@ -56,6 +56,12 @@ impl Channel {
         self.direction.ncols() + self.noise.ncols()
     }
 
+    /// The disturbances alone; none where there are none.
+    pub(crate) fn without_noise(&self) -> Option<Self> {
+        let direction = self.direction.clone();
+        (direction.ncols() > 0).then(|| Self::disturbance(direction, self.band))
+    }
+
     /// Magnitude of what the inputs do.
     pub fn norm(&self) -> f64 {
         self.direction.norm().hypot(self.noise.norm())

@@ -2,7 +2,8 @@
 //!
 //! First the multipliers (alpha_d, alpha_f, V) of Theorem 4 are searched, a synthesis for each: a grid
 //! over the magnitudes of alpha_d and V, then Nelder and Mead's simplex from its best points over
-//! all of them. Then the gains themselves, E and N_i, are refined from the best synthesis by a
+//! all of them. Bounded sensor noise has no part in these syntheses, where the vertices of K multiply
+//! (31) by sixteen, but in what they are judged by. Then the gains themselves, E and N_i, are refined from the best synthesis by a
 //! quasi-Newton method, under the decay rate asked for. The refined gains no longer satisfy (31)-(33)
 //! with known matrices; what they are worth is certified a posteriori. With the matrices of that
 //! certificate held, its conditions are affine in E and H_i; alternating between the two raised the
@@ -28,6 +29,7 @@ use steerguard_detector::{C, Gains, RULES, TsModel};
 
 use crate::band::Band;
 use crate::certified::decay_certificate;
+use crate::channel::Channel;
 use crate::design::Step;
 use crate::frequency::{Inputs, detection_ratio, noise_rms};
 use crate::gains::ObserverGains;
@@ -104,7 +106,11 @@ pub fn search(
     progress: &mut dyn FnMut(Step),
 ) -> Option<Found> {
     let objective = Objective::new(model, inputs, theorem.beta_bound());
-    let syntheses = Syntheses { theorem, objective: &objective, method };
+    let without_noise = Theorem4 {
+        disturbances: theorem.disturbances.iter().filter_map(Channel::without_noise).collect(),
+        ..theorem.clone()
+    };
+    let syntheses = Syntheses { theorem: &without_noise, objective: &objective, method };
     let (candidates, made) = syntheses.search(progress);
     let solved = candidates.len();
     let best =
