@@ -64,9 +64,7 @@ class Bench:
 def records(file, groups):
     """The columns of drives, a row group each, T x D."""
     table = file.read_row_groups(groups)
-    return {
-        name: table[name].to_numpy().reshape(len(groups), -1).T for name in table.column_names
-    }
+    return {name: table[name].to_numpy().reshape(len(groups), -1).T for name in table.column_names}
 
 
 def joined(ours, papers):

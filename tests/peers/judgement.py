@@ -57,7 +57,9 @@ class Outcomes:
     @classmethod
     def joined(cls, parts):
         """Those of several groups of drives."""
-        return cls(*map(np.concatenate, zip(*[vars(part).values() for part in parts], strict=True)))
+        return cls(
+            *map(np.concatenate, zip(*[vars(part).values() for part in parts], strict=True))
+        )
 
     @property
     def tried(self):

@@ -1,14 +1,14 @@
 """An extended Kalman filter of the single-track model, and the two tests on its innovation.
 
 Conventions
-- Model: (1)-(2) of designer/METHOD.md 1, of the vehicle that the design knows, with the input held
-  over a sampling period. State x = [v_x, v_y, r], input u = [T_eng, delta], measurement y = [v_x, r];
-  SI units.
+- Model: (1)-(2) of designer/METHOD.md 1, of the vehicle that the design knows, with the input
+  held over a sampling period. State x = [v_x, v_y, r], input u = [T_eng, delta], measurement
+  y = [v_x, r]; SI units.
 - All drives at once: arrays have a leading axis for the drives (D), records one before it for the
-  samples (T). filterpy's filter, which this one is tested against, takes one drive and one sample at
-  a time, and so about 80 times as long.
-- NIS: normalised innovation squared, Bar-Shalom, Li and Kirubarajan (2001), 5.4. CUSUM: Page (1954),
-  two-sided, on the normalised innovation of the yaw rate, where a steering fault shows.
+  samples (T). filterpy's filter, which this one is tested against, takes one drive and one sample
+  at a time, and so about 80 times as long.
+- NIS: normalised innovation squared, Bar-Shalom, Li and Kirubarajan (2001), 5.4. CUSUM: Page
+  (1954), two-sided, on the normalised innovation of the yaw rate, where a steering fault shows.
 """
 
 from dataclasses import dataclass
@@ -67,8 +67,16 @@ class Vehicle:
     def jacobian(self, x):
         """d x' / d x, D x 3 x 3; no derivative of it depends on u."""
         v_x, v_y, r = x.T
-        front = 2 * self.c_f * np.stack([(v_y + self.l_f * r) / v_x, -np.ones_like(r), -self.l_f + 0 * r])
-        rear = 2 * self.c_r * np.stack([(v_y - self.l_r * r) / v_x, -np.ones_like(r), self.l_r + 0 * r])
+        front = (
+            2
+            * self.c_f
+            * np.stack([(v_y + self.l_f * r) / v_x, -np.ones_like(r), -self.l_f + 0 * r])
+        )
+        rear = (
+            2
+            * self.c_r
+            * np.stack([(v_y - self.l_r * r) / v_x, -np.ones_like(r), self.l_r + 0 * r])
+        )
         front, rear = front / v_x, rear / v_x
         lateral = (front + rear) / self.mass
         lateral[0] -= r
@@ -105,9 +113,16 @@ class Tuning:
     yaw_acceleration: float
 
     def process(self, period):
-        return np.diag(
-            [self.acceleration * period, self.acceleration * period, self.yaw_acceleration * period]
-        ) ** 2
+        return (
+            np.diag(
+                [
+                    self.acceleration * period,
+                    self.acceleration * period,
+                    self.yaw_acceleration * period,
+                ]
+            )
+            ** 2
+        )
 
     def measurement(self):
         return np.diag([self.v_x_noise, self.r_noise]) ** 2
@@ -168,11 +183,18 @@ def windowed_mean(values, running, window):
     """Mean of the last `window` samples, T x D; those before the last start count 0."""
     samples = np.arange(len(values))[:, None]
     start = np.maximum.accumulate(np.where(running, 0, samples + 1))  # of the current run
-    total = np.vstack([np.zeros(values.shape[1]), np.cumsum(np.where(running, values, 0.0), axis=0)])
+    total = np.vstack(
+        [np.zeros(values.shape[1]), np.cumsum(np.where(running, values, 0.0), axis=0)]
+    )
     first = np.maximum(start, samples + 1 - window)
-    return np.where(
-        running, total[1:] - np.take_along_axis(total, np.minimum(first, samples + 1), axis=0), 0.0
-    ) / window
+    return (
+        np.where(
+            running,
+            total[1:] - np.take_along_axis(total, np.minimum(first, samples + 1), axis=0),
+            0.0,
+        )
+        / window
+    )
 
 
 def cusum(values, running, drifts):

@@ -1,4 +1,4 @@
-"""`steerguard-campaign`: the bytes of one machine, whoever is killed; what it says when it cannot."""
+"""`steerguard-campaign`: the bytes of one machine, whoever is killed; clear refusals."""
 
 import importlib
 import json
@@ -191,6 +191,21 @@ def test_a_killed_main_process_goes_on(steerguard, design_file, one_machine, tmp
     assert_same(folder, one_machine)
 
 
+def test_a_scheduler_that_goes_is_told_of(steerguard, design_file, tmp_path):
+    folder = tmp_path / "campaign"
+    with cluster(tmp_path) as dask:
+        dask.worker()
+        arguments = [*CAMPAIGN, "--command", steerguard, "--scheduler", dask.address]
+        running = started(design_file, [*arguments, "-o", folder])
+        until(lambda: blocks(folder), running)
+        dask.processes[0].kill()
+        code, _, err = finished(running)
+    assert code == 2, err
+    assert "error: the scheduler has gone" in err, err
+    assert "goes on" in err
+    assert "Traceback" not in err
+
+
 def test_a_specification_is_designed_once(steerguard, design_file, tmp_path):
     folder = tmp_path / "campaign"
     specification = tmp_path / "car.toml"
@@ -233,7 +248,7 @@ def test_unfit_workers_are_named_before_anything_is_driven(
         dask.worker(path=path)
         arguments = ["--drives", "32", "--seed", "5", "--scheduler", dask.address, "-o", folder]
         code, _, err = finished(started(design_file, arguments, path=steerguard.parent))
-    assert code == 2
+    assert code == 2, err
     assert re.search(r"error: worker tcp://127\.0\.0\.1:\d+: ", err), err
     assert expected in err
     assert "same build" in err
@@ -247,7 +262,11 @@ def test_refusals_say_what_is_wrong(steerguard, design_file, tmp_path):
     usual = ["--command", steerguard, "-o", tmp_path / "campaign"]
     for design, arguments, parts in [
         (design_file, ["--command", "nowhere"], ["no `nowhere` command", "--command PATH"]),
-        (design_file, [*usual, "--scheduler", "tcp://127.0.0.1:1"], ["no scheduler", "127.0.0.1:1"]),
+        (
+            design_file,
+            [*usual, "--scheduler", "tcp://127.0.0.1:1"],
+            ["no scheduler", "127.0.0.1:1"],
+        ),
         (design_file, [*usual, "--scheduler", "nonsense://x"], ["no scheduler", "nonsense"]),
         (design_file, [*usual, "--drives", "0"], ["--drives", "0"]),
         (design_file, [*usual, "--shards", "0"], ["--shards", "0"]),

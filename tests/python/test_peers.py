@@ -1,4 +1,4 @@
-"""The comparison with peers (tests/peers): its filter is filterpy's, its judgement the campaign's."""
+"""The comparison with peers (tests/peers): filterpy's filter, the campaign's judgement."""
 
 import json
 import subprocess

@@ -35,7 +35,9 @@ def parser():
         "design", metavar="DESIGN", help="design file, or a specification to be designed first"
     )
     parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="scheduler of a cluster, such as tcp://10.0.0.1:8786"
+        "--scheduler",
+        metavar="ADDRESS",
+        help="scheduler of a cluster, such as tcp://10.0.0.1:8786",
     )
     parser.add_argument(
         "--jobs", metavar="J", type=count, help="number of local workers; default: one a processor"
@@ -90,7 +92,7 @@ def show(done, to_do):
 def main(argv=None):
     """Runs the command and ends the process with its exit code."""
     here, further = arguments(sys.argv[1:] if argv is None else argv)
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # failures are told below
+    logging.disable()  # what goes wrong is told below
     try:
         with Campaign(here.command, here.design, further, here.output) as campaign:
             blocks, missing = campaign.prepare()

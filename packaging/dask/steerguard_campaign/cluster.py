@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 
 import cloudpickle
 from distributed import Client, LocalCluster, as_completed, wait
+from distributed.client import FutureCancelledError
 from distributed.scheduler import KilledWorker
 
 from . import shard
@@ -15,6 +16,12 @@ CONNECT_S = 5
 WORKERS_S = 60
 SHARDS_PER_THREAD = 8  # of the workers: keeps them busy to the end, and a killed one loses little
 RETRIES = 3  # of a shard whose command did not end by itself
+
+SAME_BUILD = (
+    "workers need the same build of `steerguard` as the main process, on their PATH or at "
+    "--command PATH"
+)
+KEPT = "what is done is kept: give the same command again and it goes on"
 
 cloudpickle.register_pickle_by_value(shard)
 
@@ -60,7 +67,7 @@ def drive(client, campaign, blocks, missing, number, progress):
     if number is None:
         number = SHARDS_PER_THREAD * sum(client.nthreads().values())
     number = min(number, blocks)
-    to_do = [k for k, part in shards(blocks, number).items() if not set(part).isdisjoint(missing)]
+    to_do = [k for k, part in shards(blocks, number).items() if not missing.isdisjoint(part)]
     futures = {}
     for k in to_do:
         arguments = ["--jobs", "1", "--shard", f"{k}/{number}"]
@@ -121,18 +128,15 @@ def check(client, campaign):
     with suppress(TimeoutError):
         wait(list(answers.values()), timeout=WORKERS_S)
     refusals = []
-    for worker, answer in answers.items():
-        if answer.status == "finished" and answer.result() == {}:
+    for worker in client.nthreads():  # those that have gone since are nobody's concern
+        answer = answers.get(worker)
+        if answer is None or answer.status == "finished" and answer.result() == {}:
             continue
         known = {"finished": answer.result, "error": answer.exception}
-        why = known[answer.status]() if answer.status in known else "does not answer"
+        why = known[answer.status]() if answer.status in known else "no answer"
         refusals.append(f"worker {worker}: {why}")
     if refusals:
-        raise Failure(
-            "\n".join(refusals),
-            "workers need the same build of `steerguard` as the main process, on their PATH or at "
-            "--command PATH",
-        )
+        raise Failure("\n".join(refusals), SAME_BUILD)
 
 
 def result(future, name):
@@ -140,12 +144,14 @@ def result(future, name):
     try:
         blocks = future.result()
     except KilledWorker as error:
+        last = error.last_worker.address
         raise Failure(
-            f"shard {name}: workers died of it again and again, last {error.last_worker.address}",
-            "what is done is kept; the workers' logs may say why",
+            f"shard {name}: workers died of it again and again, last {last}", KEPT
         ) from error
     except RuntimeError as error:
-        raise Failure(f"shard {name}: {error}", "what is done is kept") from error
-    if isinstance(blocks, str):
-        raise Failure(f"shard {name}: {blocks}", "what is done is kept")
+        raise Failure(f"shard {name}: {error}", KEPT) from error
+    except FutureCancelledError as error:
+        raise Failure("the scheduler has gone", KEPT) from error
+    if isinstance(blocks, str):  # of a worker that joined later
+        raise Failure(f"shard {name}: {blocks}", SAME_BUILD)
     return blocks

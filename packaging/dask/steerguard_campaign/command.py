@@ -40,10 +40,13 @@ class Campaign:
         return made
 
     def prepare(self):
-        """Makes the folder, or finds that it is this campaign's: number of blocks, those missing."""
+        """Makes the folder, or finds that it is this campaign's.
+
+        Returns the number of blocks and the set of those missing.
+        """
         text = self._campaign("--prepare", "--json", stdout=subprocess.PIPE)
         prepared = json.loads(text)
-        return prepared["blocks"], prepared["missing_blocks"]
+        return prepared["blocks"], set(prepared["missing_blocks"])
 
     def manifest(self):
         """Bytes of `campaign.json`, which say everything that the results depend on."""
@@ -52,13 +55,16 @@ class Campaign:
     def store(self, blocks):
         """Writes blocks, bytes by file name: each is there whole or not at all."""
         folder = self.output / "blocks"
-        for name, data in blocks.items():
-            temporary = folder / f".steerguard-{os.getpid()}-{name}"
-            with open(temporary, "wb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, folder / name)
+        try:
+            for name, data in blocks.items():
+                temporary = folder / f".steerguard-{os.getpid()}-{name}"
+                with open(temporary, "wb") as file:
+                    file.write(data)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.replace(temporary, folder / name)
+        except OSError as error:
+            raise Failure(f"cannot write to `{folder}`: {error.strerror}") from error
 
     def merge(self, *further):
         """Drives what is missing, here, and writes and prints the results."""

@@ -1,8 +1,8 @@
 """What a worker does: `steerguard campaign` on a shard, in a folder that is gone afterwards.
 
 Conventions
-- This module travels to the workers by value: they need not have this package. It takes and returns
-  built-in types only.
+- This module travels to the workers by value: they need not have this package. It takes and
+  returns built-in types only.
 - A refusal is a text: the same command refuses again wherever it runs. An exception is bad luck, such
   as a command that was killed, and worth another try.
 """
@@ -20,8 +20,8 @@ REFUSED = (1, 2)  # exit codes of the command: the answer is no, bad usage or in
 def drive(command, arguments, design, campaign):
     """Gives `arguments` to `steerguard campaign`.
 
-    `design` and `campaign` are the bytes of design.json and campaign.json. Returns the blocks in the
-    folder afterwards, bytes by file name, or the text of a refusal.
+    `design` and `campaign` are the bytes of design.json and campaign.json. Returns the blocks in
+    the folder afterwards, bytes by file name, or the text of a refusal.
     """
     found = shutil.which(command)
     if found is None:
