@@ -16,7 +16,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-PACKAGE = Path(__file__).resolve().parents[2] / "packaging" / "dask"
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "packaging" / "dask"
 BLOCKS = 8
 CAMPAIGN = ["--drives", "120", "--duration", "300", "--seed", "5"]
 TIMEOUT_S = 120
@@ -206,18 +207,15 @@ def test_a_scheduler_that_goes_is_told_of(steerguard, design_file, tmp_path):
     assert "Traceback" not in err
 
 
-def test_a_specification_is_designed_once(steerguard, design_file, tmp_path):
+def test_a_specification_is_designed_first(steerguard, design_file, tmp_path):
     folder = tmp_path / "campaign"
-    specification = tmp_path / "car.toml"
-    specification.write_text("[design]\nbeta_fraction = 0.9\n")
+    specification = ROOT / "examples" / "paper.toml"
     line = ["--drives", "20", "--duration", "5", "--command", steerguard, "-o", folder]
     code, out, err = finished(started(specification, [*line, "--jobs", "1"]))
     assert code == 0, err
     assert "20 drives" in out
-    made = tmp_path / "design.json"
-    subprocess.run([steerguard, "design", specification, "-o", made], check=True)
     campaign = json.loads((folder / "campaign.json").read_text())
-    assert campaign["design"] == json.loads(made.read_text())["hash"]
+    assert campaign["design"] == json.loads(design_file.read_text())["hash"]
 
 
 def script(folder, text):
