@@ -145,6 +145,7 @@ pub struct SimulateArguments {
   steerguard campaign design.json --parameters 10 --bank 3 --gust 10 -o perturbed
   steerguard campaign design.json --drive 17 > drive-17.csv
   steerguard campaign design.json --drives 1000 --shard 2/4 -o part-2
+  steerguard campaign design.json --drives 1000 --signals signals.parquet
 
 A campaign that was cut short goes on when the command is given again. Parts driven elsewhere are
 merged by copying their blocks/ into one folder and giving the command without --shard: results are
@@ -205,6 +206,12 @@ pub struct CampaignArguments {
     #[arg(long, value_name = "K/N", default_value = "1/1", hide_default_value = true,
         value_parser = shard)]
     pub shard: Shard,
+    /// Only make DIR, or find that it is this campaign's, and list the blocks that are missing
+    #[arg(long, conflicts_with = "drive")]
+    pub prepare: bool,
+    /// Only write what the detector was given and what it said to FILE (Parquet), a row a sample
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["drive", "prepare", "output"])]
+    pub signals: Option<PathBuf>,
     /// Folder of the campaign
     #[arg(short, long, value_name = "DIR", default_value = "steerguard-campaign")]
     pub output: PathBuf,

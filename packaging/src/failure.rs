@@ -97,7 +97,8 @@ impl From<crate::campaign::CampaignError> for Failure {
         use crate::campaign::CampaignError;
         let help = match &error {
             CampaignError::OtherCampaign { .. } => {
-                "go on with the arguments it was begun with, or name another folder (-o DIR)"
+                "go on with the arguments and the build it was begun with (detector and plant are \
+                 digests of the FMUs), or name another folder (-o DIR)"
             }
             CampaignError::Block { .. } => "delete the file: its drives are driven again",
             CampaignError::Drive { .. } => {

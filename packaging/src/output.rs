@@ -4,6 +4,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 /// A file or folder that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write `{}`: {source}", path.display())]
@@ -26,6 +28,16 @@ impl OutputError {
 /// # Errors
 /// [`OutputError`] if the folder is missing or not writable, or `path` is a folder.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let mut file = begin(path)?;
+    file.write_all(bytes).map_err(OutputError::at(path))?;
+    finish(file, path)
+}
+
+/// Begins a file that [`finish`] puts at `path`: a temporary one beside it.
+///
+/// # Errors
+/// As [`write`].
+pub fn begin(path: &Path) -> Result<NamedTempFile, OutputError> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -34,8 +46,14 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     builder.prefix(".steerguard-");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
-    let mut file = builder.tempfile_in(folder).map_err(OutputError::at(path))?;
-    file.write_all(bytes).map_err(OutputError::at(path))?;
+    builder.tempfile_in(folder).map_err(OutputError::at(path))
+}
+
+/// Renames a file that [`begin`] began to `path`.
+///
+/// # Errors
+/// As [`write`].
+pub fn finish(file: NamedTempFile, path: &Path) -> Result<(), OutputError> {
     file.as_file().sync_all().map_err(OutputError::at(path))?;
     file.persist(path).map_err(|error| OutputError::at(path)(error.error))?;
     Ok(())

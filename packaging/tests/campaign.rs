@@ -155,6 +155,53 @@ fn one_drive_alone_is_its_row() {
 }
 
 #[test]
+fn a_prepared_folder_names_the_blocks_that_are_missing() {
+    let folder = folder();
+    let prepare = || json(&success(folder.path(), &campaign(&["-o", "c", "--prepare", "--json"])));
+    let outcome = prepare();
+    assert_eq!(outcome["blocks"], BLOCKS);
+    assert_eq!(outcome["missing_blocks"], Value::from_iter(0..BLOCKS));
+    assert_eq!(outcome["throughput"], Value::Null);
+
+    success(folder.path(), &campaign(&["-o", "c", "--shard", "2/4"]));
+    assert_eq!(prepare()["missing_blocks"], Value::from_iter((0..3).chain(6..BLOCKS)));
+    success(folder.path(), &campaign(&["-o", "c"]));
+    assert_eq!(prepare()["missing_blocks"], Value::Array(vec![]));
+    assert_results_are_the_references(&folder.path().join("c"));
+}
+
+/// The signals of a part, drive by drive, are the samples that the drive alone gives.
+#[test]
+fn signals_are_the_samples_of_the_drives() {
+    let folder = folder();
+    success(folder.path(), &campaign(&["--signals", "part", "--shard", "2/3", "--jobs", "2"]));
+    assert!(!folder.path().join("steerguard-campaign").exists());
+    let file = fs::File::open(folder.path().join("part")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let columns = reader.metadata().file_metadata().schema_descr().columns().to_vec();
+    assert_eq!(reader.num_row_groups(), 64);
+    for (group, index) in [(0, 64_i64), (63, 127)] {
+        let number = index.to_string();
+        let samples = success(folder.path(), &campaign(&["--drive", &number]));
+        let mut samples = csv::Reader::from_reader(samples.as_bytes());
+        let names = samples.headers().unwrap().clone();
+        let mut samples = samples.records();
+        for record in reader.get_row_group(group).unwrap().get_row_iter(None).unwrap() {
+            let (record, sample) = (record.unwrap(), samples.next().unwrap().unwrap());
+            assert_eq!(record.get_long(0).unwrap(), index);
+            for (place, column) in columns.iter().enumerate().skip(1) {
+                let expected = names.iter().position(|name| name == column.name()).unwrap();
+                let expected: f64 = sample[expected].parse().unwrap();
+                let value = record.get_double(place);
+                let value = value.or_else(|_| record.get_long(place).map(|value| value as f64));
+                assert_eq!(value.unwrap(), expected, "{}", column.name());
+            }
+        }
+        assert!(samples.next().is_none());
+    }
+}
+
+#[test]
 fn the_table_holds_every_drive_once_and_in_order() {
     let whole = reference().path().join("whole");
     let file = fs::File::open(whole.join("results.parquet")).unwrap();
@@ -282,6 +329,9 @@ fn bad_arguments_are_explained() {
         &["--shard", "2"],
         &["--nominal", "--bank", "1"],
         &["--drive", "1", "--shard", "1/2"],
+        &["--prepare", "--drive", "1"],
+        &["--signals", "s", "--prepare"],
+        &["--signals", "s", "-o", "c"],
     ] {
         let all = [&["campaign", "design.json"], arguments].concat();
         failure(folder.path(), &all, 2, &[arguments[0], "help"]);
@@ -292,4 +342,6 @@ fn bad_arguments_are_explained() {
     failure(folder.path(), &beyond, 2, &["no drive 5", "--drives"]);
     let taken = campaign(&["-o", "design.json/c"]);
     failure(folder.path(), &taken, 2, &["design.json/c", "-o DIR"]);
+    let nowhere = campaign(&["--signals", "none/s"]);
+    failure(folder.path(), &nowhere, 2, &["none/s", "-o DIR"]);
 }

@@ -24,6 +24,12 @@ def fixtures():
 
 
 @pytest.fixture(scope="session")
+def steerguard():
+    """Path of the command."""
+    return Path(os.environ["CARGO_TARGET_DIR"], "release", "steerguard")
+
+
+@pytest.fixture(scope="session")
 def design(fixtures):
     return json.loads((fixtures / "design.json").read_text(encoding="utf-8"))
 

@@ -16,6 +16,7 @@ pub mod random;
 mod record;
 pub mod report;
 pub mod settings;
+pub mod signals;
 pub mod simulation;
 pub mod statistics;
 pub mod table;
@@ -90,6 +91,10 @@ pub enum CampaignError {
 }
 
 impl CampaignError {
+    fn drive(index: u64) -> impl FnOnce(CosimulationError) -> Self {
+        move |source| Self::Drive { index, source: Box::new(source) }
+    }
+
     fn read(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
         |source| Self::Read { path: path.to_owned(), source }
     }
@@ -146,6 +151,12 @@ impl Shard {
         let end = |k: u64| (u128::from(blocks) * u128::from(k) / u128::from(self.of)) as u64;
         end(self.number - 1)..end(self.number)
     }
+
+    /// The drives of the part among `drives` drives.
+    pub fn drives(self, drives: u64) -> Range<u64> {
+        let blocks = self.blocks(drives.div_ceil(folder::BLOCK));
+        drives.min(blocks.start * folder::BLOCK)..drives.min(blocks.end * folder::BLOCK)
+    }
 }
 
 /// Drives one drive and returns its row.
@@ -154,9 +165,7 @@ impl Shard {
 /// [`CampaignError::Drive`].
 pub fn row(bench: &TestBench, settings: &Settings, index: u64) -> Result<Row, CampaignError> {
     let drive = Drive::draw(settings, &bench.subject, index);
-    let outcome = bench
-        .run(&drive, |_| ())
-        .map_err(|source| CampaignError::Drive { index, source: Box::new(source) })?;
+    let outcome = bench.run(&drive, |_| ()).map_err(CampaignError::drive(index))?;
     Ok(Row { drive, outcome })
 }
 

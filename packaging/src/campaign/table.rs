@@ -1,9 +1,10 @@
-//! The rows of a campaign as one Parquet file, a row a drive.
+//! Tables as Parquet files, and the rows of a campaign as one of them, a row a drive.
 //!
 //! # Conventions
-//! Columns have the names of the fields of [`Drive`] and [`Outcome`], units in the names. The bytes
-//! depend on rows and metadata only. Uncompressed: rows are few, and any reader can read it.
+//! Columns of a campaign's rows have the names of the fields of [`Drive`] and [`Outcome`], units in the
+//! names. The bytes depend on rows and metadata only. Uncompressed: any reader can read it.
 
+use std::io::Write;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -32,14 +33,14 @@ pub struct Row {
     pub outcome: Outcome,
 }
 
-/// Name, type and cell of a column.
-type Column = (&'static str, Kind, Box<dyn Fn(&Row) -> Value>);
+/// Name, type and cell of a column of records `R`.
+pub type Column<R> = (&'static str, Kind, Box<dyn Fn(&R) -> Value>);
 
-fn columns() -> Vec<Column> {
-    let drive = Drive::COLUMNS.iter().map(|&(name, kind, cell)| -> Column {
+fn columns() -> Vec<Column<Row>> {
+    let drive = Drive::COLUMNS.iter().map(|&(name, kind, cell)| -> Column<Row> {
         (name, kind, Box::new(move |row| cell(&row.drive)))
     });
-    let outcome = Outcome::COLUMNS.iter().map(|&(name, kind, cell)| -> Column {
+    let outcome = Outcome::COLUMNS.iter().map(|&(name, kind, cell)| -> Column<Row> {
         (name, kind, Box::new(move |row| cell(&row.outcome)))
     });
     drive.chain(outcome).collect()
@@ -50,26 +51,65 @@ fn columns() -> Vec<Column> {
 /// # Errors
 /// [`ParquetError`], for none that rows can cause.
 pub fn parquet(rows: &[Row], metadata: String) -> Result<Vec<u8>, ParquetError> {
-    let columns = columns();
-    let fields = columns.iter().map(|(name, kind, _)| field(name, *kind));
-    let schema =
-        Type::group_type_builder("drive").with_fields(fields.collect::<Result<_, _>>()?).build()?;
-    let metadata = KeyValue::new("steerguard-campaign".to_owned(), metadata);
-    let properties = WriterProperties::builder()
-        .set_key_value_metadata(Some(vec![metadata]))
-        .set_dictionary_enabled(false)
-        .build();
-    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
+    let mut table = Table::new(Vec::new(), "drive", columns(), metadata)?;
     for rows in rows.chunks(GROUP) {
-        let mut group = writer.next_row_group()?;
-        for (_, kind, cell) in &columns {
+        table.write(rows)?;
+    }
+    table.finish()
+}
+
+/// A table of records `R` that is being written.
+pub struct Table<R, W: Write + Send> {
+    columns: Vec<Column<R>>,
+    file: SerializedFileWriter<W>,
+}
+
+impl<R, W: Write + Send> Table<R, W> {
+    /// Begins a table of records called `name`, with `metadata` under the key `steerguard-campaign`.
+    ///
+    /// # Errors
+    /// [`ParquetError`] if `sink` cannot be written.
+    pub fn new(
+        sink: W,
+        name: &str,
+        columns: Vec<Column<R>>,
+        metadata: String,
+    ) -> Result<Self, ParquetError> {
+        let fields = columns.iter().map(|(name, kind, _)| field(name, *kind));
+        let schema = Type::group_type_builder(name)
+            .with_fields(fields.collect::<Result<_, _>>()?)
+            .build()?;
+        let metadata = KeyValue::new("steerguard-campaign".to_owned(), metadata);
+        let properties = WriterProperties::builder()
+            .set_key_value_metadata(Some(vec![metadata]))
+            .set_dictionary_enabled(false)
+            .build();
+        let file = SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties))?;
+        Ok(Self { columns, file })
+    }
+
+    /// Adds `records` as a row group.
+    ///
+    /// # Errors
+    /// [`ParquetError`] if the sink cannot be written.
+    pub fn write(&mut self, records: &[R]) -> Result<(), ParquetError> {
+        let mut group = self.file.next_row_group()?;
+        for (_, kind, cell) in &self.columns {
             let Some(mut column) = group.next_column()? else { break };
-            write(&mut column, *kind, rows.iter().map(cell))?;
+            write(&mut column, *kind, records.iter().map(cell))?;
             column.close()?;
         }
         group.close()?;
+        Ok(())
     }
-    writer.into_inner()
+
+    /// Ends the table and returns the sink.
+    ///
+    /// # Errors
+    /// [`ParquetError`] if the sink cannot be written.
+    pub fn finish(self) -> Result<W, ParquetError> {
+        self.file.into_inner()
+    }
 }
 
 /// The schema of a column.

@@ -1,6 +1,6 @@
 //! `steerguard campaign`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
@@ -11,7 +11,7 @@ use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
 use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};
 use crate::campaign::simulation::TestBench;
-use crate::campaign::{self, CampaignError, Manifest, drive::Drive, table::Row};
+use crate::campaign::{self, CampaignError, Manifest, drive::Drive, signals, table::Row};
 use crate::cli::CampaignArguments;
 use crate::cosimulation::Run;
 use crate::failure::{Exit, Failure};
@@ -22,10 +22,10 @@ use crate::simulation::csv;
 /// What the command did.
 #[derive(Serialize)]
 struct Outcome {
-    /// Blocks of this part that are done, of this run and of earlier ones.
+    /// Number of blocks of this part.
     blocks: u64,
     /// Blocks of the campaign that are still missing.
-    missing_blocks: u64,
+    missing_blocks: Vec<u64>,
     throughput: Option<Throughput>,
     files: Vec<PathBuf>,
     report: Option<Report>,
@@ -50,9 +50,10 @@ pub(super) fn run(arguments: &CampaignArguments, json: bool) -> Result<Exit, Fai
             .help("drives are numbered from 0; --drives N says how many there are"));
     }
     let (bench, manifest) = bench(&design, settings)?;
-    match arguments.drive {
-        Some(index) => drive_one(&bench, &manifest.settings, index, json),
-        None => drive_part(arguments, &bench, &manifest, json),
+    match (arguments.drive, &arguments.signals) {
+        (Some(index), _) => drive_one(&bench, &manifest.settings, index, json),
+        (_, Some(path)) => write_signals(arguments, &bench, &manifest, path, json),
+        _ => drive_part(arguments, &bench, &manifest, json),
     }
 }
 
@@ -120,6 +121,24 @@ fn drive_one(
     Ok(Exit::Done)
 }
 
+/// Drives a part and writes nothing but its signals.
+fn write_signals(
+    arguments: &CampaignArguments,
+    bench: &TestBench,
+    manifest: &Manifest,
+    path: &Path,
+    json: bool,
+) -> Result<Exit, Failure> {
+    let drives = arguments.shard.drives(manifest.settings.drives);
+    let (progress, jobs) = (Progress::bar(drives.end - drives.start), workers(arguments));
+    let advance = |drives| progress.advance(drives);
+    signals::write(bench, manifest, drives, jobs, path, advance)?;
+    drop(progress);
+    let files = [path];
+    print(json, &serde_json::json!({ "files": files }), &format!("  {}\n", path.display()))?;
+    Ok(Exit::Done)
+}
+
 /// Drives what is missing of a part, and merges if that completes the campaign.
 fn drive_part(
     arguments: &CampaignArguments,
@@ -129,26 +148,34 @@ fn drive_part(
 ) -> Result<Exit, Failure> {
     let folder = Folder::open(&arguments.output, manifest.settings.drives, manifest)?;
     let part = arguments.shard.blocks(folder.blocks());
-    let missing = folder.missing(part.clone())?;
-    let throughput = drive(bench, &manifest.settings, &folder, &missing, arguments.jobs)?;
-
     let mut outcome = Outcome {
         blocks: part.end - part.start,
-        missing_blocks: 0,
-        throughput,
+        missing_blocks: Vec::new(),
+        throughput: None,
         files: Vec::new(),
         report: None,
     };
-    match folder.rows()? {
-        None => outcome.missing_blocks = folder.missing(0..folder.blocks())?.len() as u64,
-        Some(rows) => {
+    if !arguments.prepare {
+        let missing = folder.missing(part)?;
+        outcome.throughput =
+            drive(bench, &manifest.settings, &folder, &missing, workers(arguments))?;
+        if let Some(rows) = folder.rows()? {
             let report = Report::of(&rows, bench.subject.armed_v_x);
             outcome.files = folder.write_results(&rows, &report)?.into();
             outcome.report = Some(report);
         }
     }
+    if outcome.report.is_none() {
+        outcome.missing_blocks = folder.missing(0..folder.blocks())?;
+    }
     print(json, &outcome, &text(&outcome))?;
     Ok(Exit::Done)
+}
+
+/// Number of workers.
+fn workers(arguments: &CampaignArguments) -> usize {
+    let available = || std::thread::available_parallelism().map_or(1, usize::from);
+    arguments.jobs.unwrap_or_else(available)
 }
 
 /// Drives `blocks`.
@@ -157,13 +184,11 @@ fn drive(
     settings: &Settings,
     folder: &Folder,
     blocks: &[u64],
-    jobs: Option<usize>,
+    workers: usize,
 ) -> Result<Option<Throughput>, CampaignError> {
     if blocks.is_empty() {
         return Ok(None);
     }
-    let available = || std::thread::available_parallelism().map_or(1, usize::from);
-    let workers = jobs.unwrap_or_else(available);
     let drives = blocks.iter().map(|&block| folder.drives_of(block)).map(|d| d.end - d.start).sum();
     let progress = Progress::bar(drives);
     let begin = Instant::now();
@@ -183,9 +208,9 @@ fn text(outcome: &Outcome) -> String {
     let mut text = match &outcome.report {
         Some(report) => report.text() + "\n",
         None => format!(
-            "{} blocks of this part done, {} of the campaign missing: run the other parts here, or \
-             copy their blocks/ here and run the command once more\n",
-            outcome.blocks, outcome.missing_blocks
+            "{} blocks of the campaign missing: run the other parts here, or copy their blocks/ here \
+             and run the command once more\n",
+            outcome.missing_blocks.len()
         ),
     };
     if let Some(t) = &outcome.throughput {

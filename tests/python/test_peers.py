@@ -1,0 +1,194 @@
+"""The comparison with peers (tests/peers): filterpy's filter, the campaign's judgement."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from filterpy.kalman import ExtendedKalmanFilter
+from scipy.stats import chi2
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "peers"))
+
+import compare  # noqa: E402
+import kalman  # noqa: E402
+from drives import Bench  # noqa: E402
+from judgement import Outcomes, peaks, threshold  # noqa: E402
+
+PERIOD_S = 0.01
+NOISE = (0.02, 0.002)
+TUNING = kalman.Tuning(*NOISE, acceleration=0.3, yaw_acceleration=0.3)
+
+
+@pytest.fixture(scope="module")
+def vehicle(design):
+    return kalman.Vehicle.of(design)
+
+
+@pytest.fixture(scope="module")
+def bench(steerguard, fixtures):
+    return Bench(steerguard, fixtures / "design.json", fixtures / "design.json")
+
+
+@pytest.fixture(scope="module")
+def drives(bench):
+    """A few biased drives, with all manoeuvres and stops below the range."""
+    [drives] = bench.drive(["--drives", 24, "--duration", 20, "--faults", "bias",
+                            "--v-x-noise", NOISE[0], "--r-noise", NOISE[1]])  # fmt: skip
+    assert not drives.armed.all() and drives.armed.mean() > 0.8
+    return drives
+
+
+def test_the_jacobian_is_the_derivative(vehicle):
+    x = np.array([[20.0, 0.4, 0.2], [6.0, -1.0, -0.5]])
+    u = np.array([[100.0, 0.02], [-300.0, 0.05]])
+    differences = np.empty((2, 3, 3))
+    for j, h in enumerate(1e-5 * np.eye(3)):
+        ahead, behind = vehicle.derivative(x + h, u), vehicle.derivative(x - h, u)
+        differences[:, :, j] = (ahead - behind) / 2e-5
+    np.testing.assert_allclose(vehicle.jacobian(x), differences, rtol=1e-7, atol=1e-7)
+
+
+def test_the_model_is_the_designs(vehicle, reference):
+    """Euler's step of (1)-(2) is the blend of the rules of the design file."""
+    x = np.array([17.0, 0.6, -0.3])
+    u = np.array([250.0, 0.03])
+    y = x[[0, 2]]
+    A = np.tensordot(reference.membership(y), reference.A, axes=1)
+    blend = A @ x + reference.consequent(y) + reference.B @ u + reference.G * x[1] ** 2
+    step = x + PERIOD_S * vehicle.derivative(x[None], u[None])[0]
+    np.testing.assert_allclose(step, blend, rtol=1e-12)
+
+
+def filterpys(vehicle, y, u, running):
+    """NIS and normalised yaw-rate innovation of one drive, T, by filterpy."""
+    found = np.zeros((2, len(y)))
+    was_running = False
+    for k in range(len(y)):
+        if not running[k]:
+            was_running = False
+            continue
+        starts = not was_running
+        if starts:
+            ekf = ExtendedKalmanFilter(dim_x=3, dim_z=2)
+            ekf.Q, ekf.R = TUNING.process(PERIOD_S), TUNING.measurement()
+            ekf.x = np.array([y[k, 0], 0.0, y[k, 1]])
+            ekf.P = np.diag([ekf.R[0, 0], kalman.INITIAL_V_Y_STD**2, ekf.R[1, 1]])
+        ekf.update(y[k], HJacobian=lambda _: kalman.H, Hx=lambda x: kalman.H @ x)
+        if not starts:
+            found[:, k] = ekf.y @ ekf.SI @ ekf.y, ekf.y[1] / np.sqrt(ekf.S[1, 1])
+        ahead, transition = vehicle.step(ekf.x[None], u[k][None], PERIOD_S)
+        ekf.F = transition[0]
+        ekf.predict_x = lambda u=0, ekf=ekf, ahead=ahead: setattr(ekf, "x", ahead[0])
+        ekf.predict()
+        was_running = True
+    return found
+
+
+def test_the_filter_is_filterpys(vehicle, drives):
+    found = kalman.innovations(vehicle, TUNING, PERIOD_S, drives.y, drives.u, drives.armed)
+    stops = int(np.argmin(drives.armed.mean(axis=0)))
+    for d in {0, stops}:
+        nis, yaw_rate = filterpys(vehicle, drives.y[:, d], drives.u[:, d], drives.armed[:, d])
+        np.testing.assert_allclose(found.nis[:, d], nis, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(found.yaw_rate[:, d], yaw_rate, rtol=1e-6, atol=1e-9)
+
+
+def test_innovations_are_white_where_the_model_is_right(vehicle):
+    """NIS has two degrees of freedom if the noise is what the filter takes it for."""
+    random = np.random.default_rng(1)
+    samples, drives = 400, 50
+    x = np.tile([20.0, 0.0, 0.0], (drives, 1))
+    y, u = np.empty((samples, drives, 2)), np.tile([140.0, 0.01], (samples, drives, 1))
+    spread = np.sqrt(np.diag(TUNING.process(PERIOD_S)))
+    for k in range(samples):
+        y[k] = x[:, ::2] + random.normal(size=(drives, 2)) * NOISE
+        x = vehicle.step(x, u[k], PERIOD_S)[0] + random.normal(size=(drives, 3)) * spread
+    running = np.ones((samples, drives), dtype=bool)
+    found = kalman.innovations(vehicle, TUNING, PERIOD_S, y, u, running)
+    settled = found.nis[100:]
+    mean = chi2.interval(0.9999, 2 * settled.size)
+    assert mean[0] < settled.sum() < mean[1]
+    assert abs(found.yaw_rate[100:].mean()) < 4 / np.sqrt(settled.size)
+    neighbours = (found.yaw_rate[100:-1] * found.yaw_rate[101:]).mean()
+    assert abs(neighbours) < 4 / np.sqrt(settled.size)
+
+
+def test_windows_and_sums_begin_anew_with_the_filter():
+    values = np.array([[1.0, 2, 3, 4, 5, 6]]).T
+    running = np.array([[True, True, True, False, True, True]]).T
+    mean = kalman.windowed_mean(values, running, 2)
+    np.testing.assert_allclose(mean[:, 0], [0.5, 1.5, 2.5, 0, 2.5, 5.5])
+    sums = kalman.cusum(np.array([[2.0, -1, 3, 9, -4, -4]]).T, running, [9, 0.5])
+    np.testing.assert_allclose(sums[:, 1, 0], [1.5, 0.5, 2.5, 0, 3.5, 7.0])
+
+
+def test_thresholds_let_so_many_drives_alarm():
+    levels = np.array([0.3, 0.9, 0.5, 0.7])
+    assert [(levels >= threshold(levels, n)).sum() for n in range(3)] == [0, 1, 2]
+    statistic = np.array([[1.0, 5.0], [9.0, 2.0]])
+    armed = np.array([[True, True], [False, True]])
+    np.testing.assert_array_equal(peaks(statistic, armed), [1.0, 5.0])
+
+
+def test_the_judgement_is_that_of_the_campaign(steerguard, fixtures, bench, tmp_path):
+    """Alarms where J reaches J_th, judged here, give the figures of `steerguard campaign`.
+
+    With noise, so that there are false alarms and masked faults too.
+    """
+    arguments = ["--drives", 700, "--duration", 20, "--faults", "bias", "--fault-deg", "0..4",
+                 "--bank", 0, "--gust", 2, "--v-x-noise", 0.0005]  # fmt: skip
+    parts = [
+        Outcomes.of(part.j_ratio, part.armed, part.fault_rad, 1.0, PERIOD_S)
+        for part in bench.drive(arguments)
+    ]
+    ours = Outcomes.joined(parts)
+    line = [steerguard, "campaign", fixtures / "design.json", *arguments, "--json", "-o", tmp_path]
+    done = subprocess.run(list(map(str, line)), check=True, capture_output=True, text=True)
+    report = json.loads(done.stdout)["report"]
+    theirs = report["detections"][0]
+    counted = [ours.masked, ours.detected, ours.tried & ~ours.detected, ~ours.exposed]
+    assert [int(of.sum()) for of in counted] == [
+        theirs[name] for name in ("masked", "detected", "missed", "not_exposed")
+    ]
+    assert theirs["masked"] > 0 and theirs["missed"] > 0
+    assert int(ours.false_alarm.sum()) == report["false_alarms"][0]["drives_with_episodes"]
+    assert ours.delay_quantile_s(0.5) == pytest.approx(theirs["delay_median_s"])
+    assert ours.delay_quantile_s(0.95) == pytest.approx(theirs["delay_95_s"])
+    assert ours.surely_detected_deg() == pytest.approx(theirs["surely_detected_deg"])
+
+
+def test_a_small_comparison(steerguard, fixtures):
+    arguments = compare.parser().parse_args(
+        ["--steerguard", str(steerguard), "--design", str(fixtures / "design.json"), "--paper",
+         str(fixtures / "design.json"), "--drives", "20", "--duration", "10"]
+    )  # fmt: skip
+    result = compare.compare(arguments)
+    assert [(c["driven"], c["set_on"]) for c in result["conditions"]] == [
+        ("nominal", "nominal"), ("perturbed", "perturbed"), ("nominal", "perturbed")
+    ]  # fmt: skip
+    for condition in result["conditions"]:
+        detectors = {figures["detector"]: figures for figures in condition["detectors"]}
+        assert list(detectors) == ["steerguard", "paper", "EKF, NIS", "EKF, CUSUM"]
+        for figures in detectors.values():
+            tried = 20 - figures["masked"]
+            assert figures["detected"] + figures["missed"] <= tried
+            assert figures["one_degree_detected"] > 0
+            assert figures["surely_detected_deg"] is None  # too few drives to be sure
+    # On the nominal plant a bias of 1 degree is detected by all.
+    assert all(f["one_degree_missed"] == 0 for f in result["conditions"][0]["detectors"])
+    lines = compare.text(result).splitlines()
+    assert sum(line.strip().startswith("EKF, CUSUM") for line in lines) == 3
+
+
+def test_designs_with_different_drives_are_refused(steerguard, fixtures, tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text("[evaluation.calibration]\nsteering_rate_rad_per_s = 0.2\n")
+    paper = tmp_path / "paper.json"
+    bench = Bench(steerguard, fixtures / "design.json", paper)
+    bench.make(other, paper)
+    with pytest.raises(ValueError, match="do not get the same"):
+        list(bench.drive(["--drives", 4, "--duration", 5]))
