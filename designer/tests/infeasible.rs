@@ -1,0 +1,73 @@
+//! Specifications that have no design, each with a twin beside it that has one: by method and channel.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use steerguard_designer::{Design, DesignError, Obstacle, Spec, design};
+
+/// Few drives: what is asked here is whether there are gains.
+const CALIBRATION: &str = r#"
+    [evaluation.calibration]
+    speeds = 1
+    manoeuvres = ["straight"]
+    disturbance_frequencies = 1
+    disturbance_phases = 1
+    initial_v_y_m_per_s = [0]
+    duration_s = 2
+"#;
+
+fn designed(text: &str) -> Result<Design, DesignError> {
+    design(&Spec::from_toml(&format!("{text}{CALIBRATION}")).unwrap(), &mut |_| {})
+}
+
+fn obstacle(text: &str) -> Obstacle {
+    match designed(text) {
+        Err(DesignError::Infeasible(obstacle)) => obstacle,
+        other => panic!("{text}\n{other:?}"),
+    }
+}
+
+#[test]
+fn of_method_gap_the_decay_rate_is_blamed_and_the_nearest_named() {
+    let text = |decay: f64| format!("design.decay = {decay}\ndesign.search_budget = 2\n");
+    let found = obstacle(&text(0.5));
+    let Obstacle::Stability { decay: 0.5, smallest: Some(smallest) } = found else {
+        panic!("{found:?}");
+    };
+    assert!(found.to_string().contains("design.decay"), "{found}");
+    // Its twin, a little slower than the edge.
+    designed(&text(smallest)).unwrap();
+}
+
+#[test]
+fn of_method_paper_bounded_noise_is_blamed_and_a_multiplier_named() {
+    let text = |alpha_d: f64| {
+        format!(
+            "noise.r.bound_rad_per_s = 0.001\ndesign.method = \"paper\"\ndesign.gamma = 100\n\
+             design.alpha_d = {alpha_d}\n"
+        )
+    };
+    let found = obstacle(&text(2.0));
+    let Obstacle::Disturbance { smallest: None, possible_alpha_d: Some(possible), .. } = found
+    else {
+        panic!("{found:?}");
+    };
+    let message = found.to_string();
+    assert!(message.contains("the sensor noise of all frequencies has none"), "{message}");
+    assert!(message.contains(&format!("design.alpha_d = {possible}")), "{message}");
+    designed(&text(possible)).unwrap();
+}
+
+#[test]
+fn torque_faults_of_method_paper_are_blamed_by_their_gamma_too() {
+    let text = |gamma: f64| {
+        format!(
+            "design.method = \"paper\"\ndesign.gamma = {gamma}\n[[fault]]\nchannel = \"torque\"\n\
+             smallest_n_m = 100\n"
+        )
+    };
+    let found = obstacle(&text(1e-7));
+    let Obstacle::Disturbance { smallest: Some(smallest), .. } = found else {
+        panic!("{found:?}");
+    };
+    designed(&text(2.0 * smallest)).unwrap();
+}
