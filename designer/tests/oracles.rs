@@ -1,5 +1,7 @@
 //! Figures against independent computations: `fixtures/*.py`, which share no code with this project.
 
+#![allow(clippy::unwrap_used)]
+
 use serde::Deserialize;
 use steerguard_designer::Spec;
 use steerguard_designer::certified::{Error, Gain, certify};
