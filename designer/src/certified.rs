@@ -41,7 +41,7 @@ const MARGIN: f64 = 1e-7;
 /// Smallest eigenvalue, in the same units, that rounding cannot have made up.
 const CONFIRMED: f64 = 1e-9;
 /// Steps from the optimum, relative.
-const BACK_OFF: [f64; 3] = [1e-4, 1e-3, 1e-2];
+const BACK_OFF: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 0.3];
 /// No larger margin is asked for.
 const LARGEST_MARGIN: f64 = 1e-4;
 /// Rounding of `2 cos(theta)`, of magnitude two, with theta's own.
@@ -369,17 +369,18 @@ impl Problem {
     /// The optimum, or what lies a little beside it where the solver, on the boundary of the
     /// feasible set, ends outside.
     fn best(&self) -> Result<Point, NoCertificate> {
-        let optimum = self.optimum()?;
-        if optimum.margin > CONFIRMED {
-            return Ok(optimum);
-        }
-        let mut margin = optimum.margin;
+        // Where the solver fails on the way to the optimum, the search begins at the gain expected.
+        let (squared, mut margin) = match self.optimum() {
+            Ok(optimum) if optimum.margin > CONFIRMED => return Ok(optimum),
+            Ok(optimum) => (optimum.squared, optimum.margin),
+            Err(_) => (1.0, f64::NEG_INFINITY),
+        };
         for step in BACK_OFF {
             let factor = match self.gain {
                 Gain::Largest => 1.0 + step,
                 Gain::Smallest => 1.0 - step,
             };
-            let inside = self.inside(optimum.squared * factor * factor)?;
+            let Ok(inside) = self.inside(squared * factor * factor) else { continue };
             if inside.margin > CONFIRMED {
                 return Ok(inside);
             }

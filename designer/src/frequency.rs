@@ -21,7 +21,7 @@ use crate::operating_point::{FrozenError, OperatingPoint, extreme_gains, fixed};
 const FREQUENCIES: u32 = 1000;
 /// Frequencies at which the limit is taken.
 const FREQUENCIES_OF_LIMIT: u32 = 100;
-/// `Gd Gd*` counts as singular where its determinant is below this share of its trace squared.
+/// What is below this share of a squared gain counts as zero.
 const SINGULAR: f64 = 1e-13;
 
 /// What the frozen error dynamics do to fault and disturbance, the worst over the operating points.
@@ -153,22 +153,25 @@ pub(crate) fn discrete_lyapunov(n: &Matrix3<f64>, y: &Matrix3<f64>) -> Option<Ma
 /// The gap that no residual generator exceeds at this operating point:
 /// `sqrt(Gf* (Gd Gd*)^-1 Gf)`, the smallest over the fault's band, Gd of the disturbances and
 /// bounded noise active at that frequency, every channel in units of smallest fault and bound
-/// (METHOD.md 5.1). None: unbounded, `Gd Gd*` is singular at every frequency.
+/// (METHOD.md 5.1), its pseudo-inverse where it is singular. None: unbounded, at every frequency the
+/// fault reaches a direction of the residual that no disturbance reaches.
 pub fn limit(point: &OperatingPoint, inputs: &Inputs) -> Option<f64> {
-    let c = fixed(&C).map(Complex::from);
-    let frequencies = inputs.fault.band.grid(FREQUENCIES_OF_LIMIT);
+    // All residual generators have the same limit, so any does to take it by. That of an observer
+    // with L = A C' has, with 0 < a_22 < 1, no mode on the unit circle, where A has some.
+    let c = fixed(&C);
+    let l = point.a * c.transpose();
+    let n = (point.a - l * c).map(Complex::from);
+    // Where another disturbance's band begins, the limit drops.
+    let ends = inputs.disturbances.iter().flat_map(|channel| channel.band.limits());
+    let frequencies = inputs
+        .fault
+        .band
+        .grid(FREQUENCIES_OF_LIMIT)
+        .chain(ends.filter(|&w| inputs.fault.band.holds(w)));
     let at = |w: f64| {
-        // Both sides times det(zI - A), which is zero at z = 1: (zI - A)^-1 becomes the adjugate.
         let z = Complex::from_polar(1.0, w);
-        let shifted = Matrix3::from_diagonal_element(z) - point.a.map(Complex::from);
-        let [x, y, z] = [0, 1, 2].map(|k| shifted.column(k).into_owned());
-        let adjugate = Matrix3::from_rows(&[
-            y.cross(&z).transpose(),
-            z.cross(&x).transpose(),
-            x.cross(&y).transpose(),
-        ]);
-        let determinant = x.dot(&y.cross(&z));
-        let to_residual = c * adjugate;
+        let to_residual =
+            c.map(Complex::from) * (Matrix3::from_diagonal_element(z) - n).try_inverse()?;
 
         let mut gd_gd = Matrix2::<Complex<f64>>::zeros();
         for channel in inputs.disturbances.iter().filter(|channel| channel.band.holds(w)) {
@@ -179,19 +182,28 @@ pub fn limit(point: &OperatingPoint, inputs: &Inputs) -> Option<f64> {
             }
             for d_y in channel.noise.column_iter() {
                 let d_y = Vector2::from_iterator(d_y.iter().map(|&x| x * inputs.bound));
-                let g = to_residual * (-point.k * d_y).map(Complex::from)
-                    + d_y.map(|x| determinant * x);
+                let g = to_residual * (-(l + point.k) * d_y).map(Complex::from)
+                    + d_y.map(Complex::from);
                 gd_gd += g * g.adjoint();
             }
         }
-        let trace = gd_gd.trace().re;
-        let singular = gd_gd.determinant().norm() <= SINGULAR * trace * trace;
-        let inverse = if singular { None } else { gd_gd.try_inverse() }?;
         let f = Vector3::from_iterator(
             inputs.fault.direction.iter().map(|&x| Complex::from(x * inputs.smallest_fault)),
         );
         let g_f = to_residual * f;
-        Some((g_f.adjoint() * inverse * g_f)[0].re.max(0.0).sqrt())
+        // In a direction of the residual that no disturbance reaches, any fault at all stands out.
+        let of_disturbances = gd_gd.symmetric_eigen();
+        let negligible = SINGULAR * of_disturbances.eigenvalues.max();
+        let mut squared = 0.0;
+        for (k, u) in of_disturbances.eigenvectors.column_iter().enumerate() {
+            let along = u.dotc(&g_f).norm_sqr();
+            match of_disturbances.eigenvalues[k] {
+                reached if reached > negligible => squared += along / reached,
+                _ if along > SINGULAR * g_f.norm_squared() => return None,
+                _ => {}
+            }
+        }
+        Some(squared.sqrt())
     };
     frequencies.filter_map(at).reduce(f64::min)
 }
