@@ -227,8 +227,7 @@ fn gain(error: &FrozenError, input: &Channel) -> Gain {
     // A chord is shorter than its arc.
     let distance = (to - from) / f64::from(FREQUENCIES) / 2.0;
     let output = error.output.map(Complex::from);
-    let columns: Vec<_> =
-        error.inputs(input).map(|(b, d)| (b.map(Complex::from), d.map(Complex::from))).collect();
+    let columns = error.columns(input);
     let b = DMatrix::from_fn(3, columns.len(), |row, column| columns[column].0[row]);
 
     let unknown =

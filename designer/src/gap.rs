@@ -24,7 +24,7 @@ use argmin::core::{CostFunction, Executor, Gradient};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::neldermead::NelderMead;
 use argmin::solver::quasinewton::LBFGS;
-use nalgebra::{Complex, Vector2, Vector3};
+use nalgebra::Complex;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{C, Gains, RULES, TsModel};
@@ -36,7 +36,7 @@ use crate::design::Step;
 use crate::frequency::{Inputs, detection_ratio, noise_rms};
 use crate::gains::ObserverGains;
 use crate::lmi::Matrix;
-use crate::operating_point::{FrozenError, OperatingPoint, extreme_gains};
+use crate::operating_point::{Column, FrozenError, OperatingPoint, extreme_gains};
 use crate::spec::Method;
 use crate::synthesis::{Goal, Synthesis, solve};
 use crate::theorem4::{Theorem4, matrix};
@@ -313,16 +313,12 @@ impl<'a> Objective<'a> {
     /// eigenvalue.
     fn at(&self, error: &FrozenError) -> Option<[f64; 3]> {
         let output = error.output.map(Complex::from);
-        let columns = |channel| -> Vec<(Vector3<Complex<f64>>, Vector2<Complex<f64>>)> {
-            let columns = error.inputs(channel);
-            columns.map(|(b, d)| (b.map(Complex::from), d.map(Complex::from))).collect()
-        };
-        let extremes = |columns: &[_], w| {
+        let extremes = |columns: &[Column], w| {
             let to_residual = output * error.resolvent(w)?;
             Some(extreme_gains(columns.iter().map(|(b, d)| to_residual * b + d)))
         };
         let mut beta = f64::INFINITY;
-        let fault = columns(&self.inputs.fault);
+        let fault = error.columns(&self.inputs.fault);
         for &w in &self.fault_frequencies {
             beta = beta.min(extremes(&fault, w)?[1]);
         }
@@ -330,7 +326,7 @@ impl<'a> Objective<'a> {
         for (channel, frequencies) in
             self.inputs.disturbances.iter().zip(&self.disturbance_frequencies)
         {
-            let columns = columns(channel);
+            let columns = error.columns(channel);
             let mut gamma = 0.0_f64;
             for &w in frequencies {
                 gamma = gamma.max(extremes(&columns, w)?[0]);

@@ -85,6 +85,9 @@ fn spread(interval: Interval, count: u32) -> impl Iterator<Item = f64> {
     )
 }
 
+/// Column of an input, and of its feedthrough.
+pub(crate) type Column = (Vector3<Complex<f64>>, Vector2<Complex<f64>>);
+
 /// The error dynamics of an observer at an operating point.
 #[derive(Clone, Copy, Debug)]
 pub struct FrozenError {
@@ -131,6 +134,12 @@ impl FrozenError {
             (self.from_noise * d_y, self.feedthrough * d_y)
         });
         direct.chain(noise)
+    }
+
+    /// The same in complex numbers.
+    pub(crate) fn columns(&self, channel: &Channel) -> Vec<Column> {
+        let columns = self.inputs(channel);
+        columns.map(|(b, d)| (b.map(Complex::from), d.map(Complex::from))).collect()
     }
 
     /// `(z I - N)^-1` at `z = exp(jw)`; none where z is an eigenvalue.
