@@ -74,7 +74,7 @@ fn values_agree_with_an_independent_solver() {
         serde_json::from_str(include_str!("fixtures/certified_gains.json")).unwrap();
     let theorem = papers_theorem();
     for case in cases {
-        let h = case.h.each_ref().map(|h| matrix(h));
+        let h = case.h.each_ref().map(matrix);
         let gains = ObserverGains::new(&matrix(&case.e), &h, &theorem.a);
         let d = Matrix::from_fn(3, case.d[0].len(), |row, column| case.d[row][column]);
         let disturbances = Channel::disturbance(d, Band::Low(THETA));
