@@ -42,12 +42,12 @@ pub enum Obstacle {
                  try another design.alpha_d"
             ),
             (None, Some(possible)) => format!(
-                "{channels} has none with alpha_d = {alpha_d}; it has one with design.alpha_d = \
+                "{channels} leave none with alpha_d = {alpha_d}, but one with design.alpha_d = \
                  {possible}"
             ),
             (None, None) => format!(
-                "{channels} has none with alpha_d = {alpha_d} or any other tried: raise \
-                 design.decay, or narrow its band"
+                "{channels} leave none with alpha_d = {alpha_d} or any other tried: raise \
+                 design.decay, or narrow their band"
             ),
         }
     )]
@@ -97,7 +97,7 @@ pub enum Obstacle {
 /// Finds the obstacle to a design, under `gamma` if one is given.
 pub fn diagnose(theorem: &Theorem4, gamma: Option<f64>, beta_fraction: f64) -> Obstacle {
     if solve(theorem, Goal::Stability).is_err() {
-        let smallest = smallest_decay(theorem, gamma);
+        let smallest = smallest_decay(theorem, gamma, beta_fraction);
         return Obstacle::Stability { decay: theorem.decay, smallest };
     }
     let smallest = smallest_gamma(theorem);
@@ -144,15 +144,18 @@ fn words(channel: &Channel) -> String {
     };
     let inputs = match (channel.direction.ncols(), channel.noise.ncols()) {
         (_, 0) => "the disturbances",
-        (0, _) => "the sensor noise",
+        (0, _) => "bounds of the sensor noise",
         _ => "the disturbances with the sensor noise",
     };
     format!("{inputs} {band}")
 }
 
 /// A decay rate, near the smallest, with which all conditions can be met.
-fn smallest_decay(theorem: &Theorem4, gamma: Option<f64>) -> Option<f64> {
-    let goal = Goal::LargestBeta { gamma };
+fn smallest_decay(theorem: &Theorem4, gamma: Option<f64>, beta_fraction: f64) -> Option<f64> {
+    let goal = match gamma {
+        Some(_) => Goal::LargestBeta { gamma },
+        None => Goal::SmallestGamma { beta: Some(beta_fraction * theorem.beta_bound()) },
+    };
     let possible = |decay| solve(&Theorem4 { decay, ..theorem.clone() }, goal).is_ok();
     let (mut no, mut yes) = (theorem.decay, SLOWEST_DECAY);
     if !possible(yes) {

@@ -42,7 +42,7 @@ fn of_method_gap_the_decay_rate_is_blamed_and_the_nearest_named() {
 fn of_method_paper_bounded_noise_is_blamed_and_a_multiplier_named() {
     let text = |alpha_d: f64| {
         format!(
-            "noise.r.bound_rad_per_s = 0.001\ndesign.method = \"paper\"\ndesign.gamma = 100\n\
+            "noise.r.bound_rad_per_s = 0.001\ndesign.method = \"paper\"\ndesign.gamma = 0.1\n\
              design.alpha_d = {alpha_d}\n"
         )
     };
@@ -52,22 +52,26 @@ fn of_method_paper_bounded_noise_is_blamed_and_a_multiplier_named() {
         panic!("{found:?}");
     };
     let message = found.to_string();
-    assert!(message.contains("the sensor noise of all frequencies has none"), "{message}");
+    assert!(
+        message.contains("bounds of the sensor noise of all frequencies leave none"),
+        "{message}"
+    );
     assert!(message.contains(&format!("design.alpha_d = {possible}")), "{message}");
     designed(&text(possible)).unwrap();
 }
 
 #[test]
-fn torque_faults_of_method_paper_are_blamed_by_their_gamma_too() {
-    let text = |gamma: f64| {
+fn of_a_torque_fault_by_method_paper_the_decay_rate_is_blamed() {
+    let text = |decay: f64| {
         format!(
-            "design.method = \"paper\"\ndesign.gamma = {gamma}\n[[fault]]\nchannel = \"torque\"\n\
+            "design.method = \"paper\"\ndesign.decay = {decay}\n[[fault]]\nchannel = \"torque\"\n\
              smallest_n_m = 100\n"
         )
     };
-    let found = obstacle(&text(1e-7));
-    let Obstacle::Disturbance { smallest: Some(smallest), .. } = found else {
+    let found = obstacle(&text(0.4));
+    let Obstacle::Stability { smallest: Some(smallest), .. } = found else {
         panic!("{found:?}");
     };
-    designed(&text(2.0 * smallest)).unwrap();
+    assert!(0.4 < smallest && smallest < 0.97, "{found}");
+    designed(&text(0.97)).unwrap();
 }

@@ -137,7 +137,8 @@ fn bad_specifications_name_the_key_and_leave_no_file() {
 #[test]
 fn an_infeasible_specification_is_a_no() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("spec.toml"), "[design]\ngamma = 1e-9\n").unwrap();
+    fs::write(folder.path().join("spec.toml"), "[design]\nmethod = \"paper\"\ngamma = 1e-9\n")
+        .unwrap();
     failure(folder.path(), &["design", "spec.toml"], 1, &["infeasible", "(31)", "spec.toml"]);
     assert_eq!(entries(&folder), ["spec.toml"]);
 }
