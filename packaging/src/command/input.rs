@@ -21,7 +21,7 @@ pub(super) fn spec(path: &Path) -> Result<Spec, Failure> {
     Spec::from_toml(&text(path)?).map_err(|error| {
         Failure::bad(error)
             .at(path.display())
-            .help("examples/paper.toml explains every key; a key left out has the paper's value")
+            .help("examples/paper.toml explains every key; a key left out has its default")
     })
 }
 
