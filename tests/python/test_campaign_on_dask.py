@@ -55,8 +55,9 @@ def until(condition, process):
 
 
 def blocks(folder):
-    """The times of the blocks that are there, by name."""
-    return {path.name: path.stat().st_mtime_ns for path in (folder / "blocks").glob("*.json")}
+    """The times of the blocks that are there, by name; those being written have a leading dot."""
+    there = (folder / "blocks").glob("[!.]*.json")
+    return {path.name: path.stat().st_mtime_ns for path in there}
 
 
 def stopped(pid):
