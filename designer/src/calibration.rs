@@ -270,7 +270,7 @@ fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> VehicleState {
 /// Road-wheel angle at time `t`, rad.
 fn steering(spec: &Spec, drive: &Drive, t: f64) -> f64 {
     let rate = spec.evaluation.calibration.steering_rate_rad_per_s;
-    let full = angle(&spec.vehicle, drive.v_x_m_per_s, drive.lateral_acceleration_m_per_s2);
+    let full = steady_angle(&spec.vehicle, drive.v_x_m_per_s, drive.lateral_acceleration_m_per_s2);
     let sine = |omega: f64, t: f64| full.min(rate / omega) * (omega * t).sin();
     let since = t - MANOEUVRE_START_S;
     match drive.manoeuvre {
@@ -282,8 +282,9 @@ fn steering(spec: &Spec, drive: &Drive, t: f64) -> f64 {
     }
 }
 
-/// Road-wheel angle of a steady turn at speed `v_x` and lateral acceleration `a_y`, rad.
-fn angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
+/// Road-wheel angle of a steady turn at speed `v_x` and lateral acceleration `a_y` of the linear
+/// single-track model, rad, without sign: Rajamani (2012), 3.3.
+pub fn steady_angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
     let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
     let (c_f, c_r) =
         (vehicle.front_cornering_stiffness_n_per_rad, vehicle.rear_cornering_stiffness_n_per_rad);

@@ -29,10 +29,11 @@ use steerguard_detector::RULES;
 
 use crate::band::Band;
 use crate::certificate::{ErrorDynamics, error_dynamics};
-use crate::channel::{Channel, beside};
+use crate::channel::Channel;
 use crate::frequency::{Frozen, Inputs, discrete_lyapunov};
 use crate::gains::{ObserverGains, rows};
-use crate::lmi::{self, Affine, Matrix, Variables, smallest_eigenvalue};
+use crate::lmi::{self, Affine, Matrix, Variables, beside, smallest_eigenvalue};
+use crate::operating_point::spectral_radius;
 use crate::theorem4::{Theorem4, for_all, matrix};
 
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which residual and input are of
@@ -216,14 +217,13 @@ impl Error {
                 courses.push(std::array::from_fn(|i| {
                     let l = matrix(&gains.gains.l[i]);
                     let from_noise = (&m * g_rho * &e - l - &m * k) * &channel.noise;
-                    let input = beside(&from_direction, &from_noise);
-                    beside(&beside(&dynamics[i][rho], &input), &minus_identity)
+                    beside(&[&dynamics[i][rho], &from_direction, &from_noise, &minus_identity])
                 }));
             }
         }
         let feedthrough = (Matrix::identity(2, 2) + &theorem.c * e) * &channel.noise;
         let direct = Matrix::zeros(2, channel.direction.ncols());
-        let output = beside(&beside(&theorem.c, &direct), &feedthrough);
+        let output = beside(&[&theorem.c, &direct, &feedthrough]);
         Self { courses, output: theorem.w_r() * output }
     }
 
@@ -245,9 +245,7 @@ impl Error {
             output: scaled(&self.output),
         }
     }
-}
 
-impl Error {
     /// A basis in which the error that the inputs cause is of magnitude one in all directions:
     /// the root of its covariance under white inputs, at the mean of the vertices. The solver's
     /// numbers are then of one magnitude, whatever the gains.
@@ -259,8 +257,7 @@ impl Error {
         let mean = self.courses.iter().flatten().fold(zero, sum) / count;
         let n = mean.fixed_view::<3, 3>(0, 0).into_owned();
         let b = mean.columns(3, inputs);
-        let radius = n.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
-        let n = n * f64::min(1.0, 0.99 / radius);
+        let n = n * f64::min(1.0, 0.99 / spectral_radius(&n));
         let driven = (b * b.transpose()).fixed_view::<3, 3>(0, 0).into_owned();
         let mut covariance = discrete_lyapunov(&n, &driven).unwrap_or_default();
         for k in 0..3 {

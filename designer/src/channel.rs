@@ -15,7 +15,7 @@
 use steerguard_detector::{Interval, TsModel};
 
 use crate::band::Band;
-use crate::lmi::Matrix;
+use crate::lmi::{Matrix, beside};
 
 /// Inputs of one band, stacked: disturbances or faults by their direction, noise by its signal.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,11 +44,11 @@ impl Channel {
     }
 
     pub(crate) fn push_direction(&mut self, column: &Matrix) {
-        self.direction = beside(&self.direction, column);
+        self.direction = beside(&[&self.direction, column]);
     }
 
     pub(crate) fn push_noise(&mut self, column: &Matrix) {
-        self.noise = beside(&self.noise, column);
+        self.noise = beside(&[&self.noise, column]);
     }
 
     /// Number of inputs.
@@ -80,15 +80,6 @@ impl Channel {
     /// The same with all inputs counted in units of `1 / unit`.
     pub fn in_unit(&self, unit: f64) -> Self {
         Self { direction: &self.direction / unit, noise: &self.noise / unit, band: self.band }
-    }
-}
-
-/// The columns of `left`, then those of `right`.
-pub(crate) fn beside(left: &Matrix, right: &Matrix) -> Matrix {
-    let columns: Vec<_> = left.column_iter().chain(right.column_iter()).collect();
-    match columns.is_empty() {
-        true => Matrix::zeros(left.nrows(), 0),
-        false => Matrix::from_columns(&columns),
     }
 }
 

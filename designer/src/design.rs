@@ -17,12 +17,12 @@ use crate::gains::{ObserverGains, rows};
 use crate::gap::{self, SearchRecord};
 use crate::infeasible::{Obstacle, diagnose};
 use crate::lmi::Matrix;
-use crate::operating_point::OperatingPoint;
+use crate::operating_point::{OperatingPoint, fixed, spectral_radius};
 use crate::spec::{MethodName, Spec};
 use crate::spec_error::SpecError;
-use crate::start_up::{self, spectral_radius};
-use crate::synthesis::{Goal, NoSolution, Synthesis, solve};
-use crate::theorem4::{Theorem4, matrix};
+use crate::start_up;
+use crate::synthesis::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
+use crate::theorem4::Theorem4;
 use crate::worth::Worth;
 
 /// The start-up term may be forgotten once below this share of the smallest fault's residual.
@@ -131,6 +131,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     };
     let Found { gains, synthesis, theorem, worth, .. } = &found;
     let (certified, a_posteriori) = worth.certified.clone().unzip();
+    // The matrices of (31) and (32), where the gains are those that they were found with.
+    let of_theorem = found.check.map(|_| &synthesis.lyapunov);
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
     let evaluation = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
@@ -182,25 +184,25 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
                    the 2-norm of the weighted residual; of several bands the root of the sum of \
                    squares"
                     .into(),
-            spectral_radii: gains.gains.n.map(|n| spectral_radius(&matrix(&n))),
+            spectral_radii: gains.gains.n.map(|n| spectral_radius(&fixed(&n))),
             smallest_fault_residual,
             operating_points: worth.points.clone(),
             other_faults: other_faults(spec, gains, worth, &inputs)?,
         },
         certificate: Certificate {
-            statement: found.check.map(|_| statement(theorem)),
+            statement: of_theorem.map(|_| statement(theorem)),
             p_s: found.p_s.each_ref().map(rows),
-            attenuation: found.check.map(|_| {
-                let of_band = |x: &crate::synthesis::AttenuationMatrices| AttenuationRecord {
+            attenuation: of_theorem.map(|lyapunov| {
+                let of_band = |x: &AttenuationMatrices| AttenuationRecord {
                     gamma: x.gamma,
                     p_d: x.p.each_ref().map(rows),
                     q_d: rows(&x.q),
                 };
-                synthesis.lyapunov.attenuation.iter().map(of_band).collect()
+                lyapunov.attenuation.iter().map(of_band).collect()
             }),
-            p_f: found.check.map(|_| synthesis.lyapunov.p_f.each_ref().map(rows)),
-            q_f: found.check.map(|_| rows(&synthesis.lyapunov.q_f)),
-            r: found.check.map(|_| rows(&synthesis.lyapunov.r)),
+            p_f: of_theorem.map(|lyapunov| lyapunov.p_f.each_ref().map(rows)),
+            q_f: of_theorem.map(|lyapunov| rows(&lyapunov.q_f)),
+            r: of_theorem.map(|lyapunov| rows(&lyapunov.r)),
             margins: found.check,
             a_posteriori,
         },

@@ -36,7 +36,7 @@ use crate::design::Step;
 use crate::frequency::{Inputs, detection_ratio, noise_rms};
 use crate::gains::ObserverGains;
 use crate::lmi::Matrix;
-use crate::operating_point::{Column, FrozenError, OperatingPoint, extreme_gains};
+use crate::operating_point::{Column, FrozenError, OperatingPoint, extreme_gains, spectral_radius};
 use crate::spec::Method;
 use crate::synthesis::{Goal, Synthesis, solve};
 use crate::theorem4::{Theorem4, matrix};
@@ -309,9 +309,8 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// beta, gamma squared and the noise's variance at a point. None where a frequency is an
-    /// eigenvalue.
-    fn at(&self, error: &FrozenError) -> Option<[f64; 3]> {
+    /// beta and gamma squared at a point. None where a frequency is an eigenvalue.
+    fn at(&self, error: &FrozenError) -> Option<[f64; 2]> {
         let output = error.output.map(Complex::from);
         let extremes = |columns: &[Column], w| {
             let to_residual = output * error.resolvent(w)?;
@@ -333,7 +332,7 @@ impl<'a> Objective<'a> {
             }
             gamma_squared += gamma * gamma;
         }
-        Some([beta, gamma_squared, noise_rms(error, self.inputs.white_std).powi(2)])
+        Some([beta, gamma_squared])
     }
 
     /// The worst figures of `gains`.
@@ -342,10 +341,10 @@ impl<'a> Objective<'a> {
         let mut worst = Worst { beta: f64::INFINITY, gamma: 0.0, noise_rms: 0.0 };
         for point in &self.points {
             let error = FrozenError::new(point, gains, self.inputs.weights);
-            let Some([beta, gamma_squared, variance]) = self.at(&error) else { return none };
+            let Some([beta, gamma_squared]) = self.at(&error) else { return none };
             worst.beta = worst.beta.min(beta);
             worst.gamma = worst.gamma.max(gamma_squared.sqrt());
-            worst.noise_rms = worst.noise_rms.max(variance.sqrt());
+            worst.noise_rms = worst.noise_rms.max(noise_rms(&error, self.inputs.white_std));
         }
         worst
     }
@@ -357,12 +356,12 @@ impl<'a> Objective<'a> {
         let mut penalty = 0.0;
         for point in &self.points {
             let error = FrozenError::new(point, gains, self.inputs.weights);
-            let radius = error.n.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+            let radius = spectral_radius(&error.n);
             penalty += PENALTY * (radius - slowest).max(0.0).powi(2);
             // Beyond stability the noise goes on growing with the gains, not to infinity: the line
             // search can turn back.
             let contracted = FrozenError { n: error.n * f64::min(1.0, STABLE / radius), ..error };
-            let Some([beta, gamma_squared, _]) = self.at(&error) else {
+            let Some([beta, gamma_squared]) = self.at(&error) else {
                 return f64::INFINITY;
             };
             let variance = noise_rms(&contracted, self.inputs.white_std).powi(2);

@@ -69,6 +69,15 @@ fn unit(rows: usize, columns: usize, places: &[(usize, usize)]) -> Matrix {
     x
 }
 
+/// The given blocks, of one height, beside each other.
+pub(crate) fn beside(blocks: &[&Matrix]) -> Matrix {
+    let columns: Vec<_> = blocks.iter().flat_map(|block| block.column_iter()).collect();
+    match columns.is_empty() {
+        true => Matrix::zeros(blocks.first().map_or(0, |block| block.nrows()), 0),
+        false => Matrix::from_columns(&columns),
+    }
+}
+
 /// A matrix affine in the decision variables x: `constant + sum_j x_j terms[j]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Affine {

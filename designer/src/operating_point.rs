@@ -16,6 +16,7 @@ use nalgebra::{Complex, Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2
 use steerguard_detector::{C, Gains, Interval, RULES, TsModel};
 
 use crate::channel::{Channel, premise_sensitivity};
+use crate::lmi::Matrix;
 use crate::theorem4::g_rho;
 
 /// Speeds, yaw rates and lateral speeds across the operating range.
@@ -42,7 +43,7 @@ impl OperatingPoint {
     /// The model at `[v_x, v_y, r]`.
     pub fn new(model: &TsModel, state: [f64; 3]) -> Self {
         let [v_x, v_y, r] = state;
-        let g_rho = Matrix3::from_iterator(g_rho(model, 2.0 * v_y).iter().copied());
+        let g_rho = square(&g_rho(model, 2.0 * v_y));
         let k = premise_sensitivity(model, state);
         Self {
             state,
@@ -123,23 +124,19 @@ impl FrozenError {
         }
     }
 
-    /// Column of the input and of the feedthrough for every input of `channel`.
-    pub fn inputs(&self, channel: &Channel) -> impl Iterator<Item = (Vector3<f64>, Vector2<f64>)> {
+    /// Every input of `channel`.
+    pub(crate) fn columns(&self, channel: &Channel) -> Vec<Column> {
+        let complex =
+            |b: Vector3<f64>, d: Vector2<f64>| (b.map(Complex::from), d.map(Complex::from));
         let direct = channel
             .direction
             .column_iter()
-            .map(|d| (self.m * Vector3::from_iterator(d.iter().copied()), Vector2::zeros()));
+            .map(|d| complex(self.m * Vector3::from_iterator(d.iter().copied()), Vector2::zeros()));
         let noise = channel.noise.column_iter().map(|d_y| {
             let d_y = Vector2::from_iterator(d_y.iter().copied());
-            (self.from_noise * d_y, self.feedthrough * d_y)
+            complex(self.from_noise * d_y, self.feedthrough * d_y)
         });
-        direct.chain(noise)
-    }
-
-    /// The same in complex numbers.
-    pub(crate) fn columns(&self, channel: &Channel) -> Vec<Column> {
-        let columns = self.inputs(channel);
-        columns.map(|(b, d)| (b.map(Complex::from), d.map(Complex::from))).collect()
+        direct.chain(noise).collect()
     }
 
     /// `(z I - N)^-1` at `z = exp(jw)`; none where z is an eigenvalue.
@@ -168,6 +165,16 @@ pub(crate) fn extreme_gains(columns: impl Iterator<Item = Vector2<Complex<f64>>>
         // The product of both is the determinant.
         _ => [largest, ((a * d - b.norm_sqr()).max(0.0)).sqrt() / largest.max(f64::MIN_POSITIVE)],
     }
+}
+
+/// Largest magnitude of an eigenvalue.
+pub fn spectral_radius(x: &Matrix3<f64>) -> f64 {
+    x.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
+}
+
+/// A 3 x 3 matrix, its size known.
+pub(crate) fn square(x: &Matrix) -> Matrix3<f64> {
+    Matrix3::from_iterator(x.iter().copied())
 }
 
 /// A matrix of rows, its size known.

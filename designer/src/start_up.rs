@@ -15,6 +15,7 @@ use steerguard_detector::{C, Evaluation, RULES, StartUp};
 
 use crate::certificate::{ErrorDynamics, Margin};
 use crate::lmi::{self, Affine, Matrix, Variables};
+use crate::operating_point::{spectral_radius, square};
 use crate::theorem4::{for_all, matrix};
 
 /// Decay rates tried between the slowest mode's and the design's.
@@ -49,7 +50,7 @@ pub fn bound(
     v_y: f64,
     negligible: f64,
 ) -> Option<StartUpBound> {
-    let radius = dynamics.iter().flatten().map(spectral_radius).fold(0.0, f64::max);
+    let radius = dynamics.iter().flatten().map(|n| spectral_radius(&square(n))).fold(0.0, f64::max);
     let rates = (1..=DECAY_RATES)
         .map(|step| radius + (slowest - radius) * f64::from(step) / f64::from(DECAY_RATES));
     let bounds = rates.filter_map(|decay| bound_at(dynamics, decay, evaluation.weights, v_y));
@@ -133,9 +134,4 @@ fn conditions(
         inequalities.push(decay * decay * &p[i] - &n.transpose() * &(&p[k] * n));
     });
     inequalities
-}
-
-/// Largest magnitude of an eigenvalue.
-pub fn spectral_radius(x: &Matrix) -> f64 {
-    x.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
 }

@@ -33,7 +33,7 @@
 use steerguard_detector::{C, RULES, TsModel};
 
 use crate::channel::{Channel, premise_sensitivity_vertices};
-use crate::lmi::{Affine, Matrix, Variables};
+use crate::lmi::{Affine, Matrix, Variables, beside};
 
 /// Vertices of rho.
 pub const VERTICES_OF_RHO: usize = 2;
@@ -208,7 +208,7 @@ impl Theorem4 {
         ]);
         // r = W_r (C e + D_y v), over (e, d, v, v+).
         let zeros = |columns| Matrix::zeros(2, columns);
-        let output = self.w_r() * columns(&[&self.c, &zeros(n_d), noise, &zeros(n_y)]);
+        let output = self.w_r() * beside(&[&self.c, &zeros(n_d), noise, &zeros(n_y)]);
         let output = Affine::from(output.transpose() * output);
         let share = Matrix::from_fn(inputs, inputs, |row, column| match row == column {
             true if row < n_d => 1.0,
@@ -347,12 +347,6 @@ pub(crate) fn diagonal(residual: &Affine, input: &Affine) -> Affine {
 fn stack(blocks: &[&Matrix]) -> Matrix {
     let rows: Vec<_> = blocks.iter().flat_map(|block| block.row_iter()).collect();
     Matrix::from_rows(&rows)
-}
-
-/// The given blocks beside each other.
-fn columns(blocks: &[&Matrix]) -> Matrix {
-    let columns: Vec<_> = blocks.iter().flat_map(|block| block.column_iter()).collect();
-    Matrix::from_columns(&columns)
 }
 
 /// A matrix of rows as a [`Matrix`].

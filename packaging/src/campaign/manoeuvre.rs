@@ -9,6 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use steerguard_designer::calibration::steady_angle;
 use steerguard_detector::Vehicle;
 
 use super::drive::Drive;
@@ -236,16 +237,6 @@ impl Course {
 /// Sine of a number of turns, on every machine the same.
 fn sine(turns: f64) -> f64 {
     libm::sin(TAU * turns)
-}
-
-/// Road-wheel angle of a steady turn at speed `v_x` and lateral acceleration `a_y` of the linear
-/// single-track model, rad: Rajamani (2012), 3.3.
-pub fn steady_angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
-    let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-    let (c_f, c_r) =
-        (vehicle.front_cornering_stiffness_n_per_rad, vehicle.rear_cornering_stiffness_n_per_rad);
-    let gradient = vehicle.mass_kg * (c_r * l_r - c_f * l_f) / (2.0 * c_f * c_r * (l_f + l_r));
-    (a_y * ((l_f + l_r) / (v_x * v_x) + gradient)).abs()
 }
 
 #[cfg(test)]
