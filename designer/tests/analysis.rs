@@ -15,16 +15,22 @@ use steerguard_designer::frequency::noise_rms;
 use steerguard_designer::gains::ObserverGains;
 use steerguard_designer::lmi::Matrix;
 use steerguard_designer::operating_point::{FrozenError, OperatingPoint};
-use steerguard_designer::spec::{Calibration, Fault, Manoeuvre};
+use steerguard_designer::spec::Fault;
 use steerguard_designer::theorem4::matrix;
-use steerguard_designer::{Design, DesignError, Spec, SpecError, design};
+use steerguard_designer::{Design, DesignError, Spec, SpecError};
 use steerguard_detector::{
     Configuration, Detector, Evaluation, Input, Monitor, RULES, TsModel, VehicleState,
 };
 
 mod common;
+#[path = "common/few_drives.rs"]
+mod few_drives;
+#[path = "common/s1.rs"]
+mod s1;
 
 use common::papers_but;
+use few_drives::designed_with_few_drives;
+use s1::S1;
 
 const MODEL: TsModel = TsModel::PAPER;
 
@@ -214,22 +220,6 @@ fn white_noise_raises_the_residual_as_predicted() {
     }
 }
 
-/// S1 of METHOD.md 7.
-const S1: &str = r#"
-    [[fault]]
-    channel = "steering"
-    smallest_deg = 1.0
-    [[disturbance]]
-    kind = "direction"
-    name = "lateral"
-    direction = [0.0, 1.0, 0.0]
-    bound = 0.5
-    [[disturbance]]
-    kind = "direction"
-    name = "yaw"
-    direction = [0.0, 0.0, 1.0]
-    bound = 0.1
-"#;
 const TORQUE: &str = r#"
     [[fault]]
     channel = "torque"
@@ -245,20 +235,8 @@ const WHITE_NOISE: &str = r#"
     white_std_rad_per_s = 0.002
 "#;
 
-/// A design with few drives in the calibration.
 fn designed(text: &str) -> Result<Design, DesignError> {
-    let mut spec = papers_but(text);
-    spec.evaluation.calibration = Calibration {
-        speeds: 1,
-        manoeuvres: vec![Manoeuvre::Sine],
-        lateral_acceleration_m_per_s2: vec![1.0],
-        disturbance_frequencies: 1,
-        disturbance_phases: 1,
-        initial_v_y_m_per_s: vec![0.0],
-        duration_s: 2.0,
-        ..Calibration::default()
-    };
-    design(&spec, &mut |_| {})
+    designed_with_few_drives(papers_but(text))
 }
 
 fn with_method(text: &str, method: &str) -> Design {
@@ -266,7 +244,7 @@ fn with_method(text: &str, method: &str) -> Design {
 }
 
 /// S1 by method "gap", with a second fault.
-fn s1() -> &'static Design {
+fn s1_by_gap() -> &'static Design {
     static DESIGN: OnceLock<Design> = OnceLock::new();
     DESIGN.get_or_init(|| with_method(&format!("{S1}{TORQUE}"), "gap"))
 }
@@ -293,8 +271,8 @@ fn assert_ordered(design: &Design) {
 
 #[test]
 fn two_disturbances_come_near_the_limit() {
-    let performance = &s1().performance;
-    assert_ordered(s1());
+    let performance = &s1_by_gap().performance;
+    assert_ordered(s1_by_gap());
     assert!(performance.frozen.gap >= 11.2, "{}", performance.frozen.gap);
     assert!(performance.certified.unwrap().gap >= 9.5, "{:?}", performance.certified);
     // METHOD.md 7: with yaw rate, and without.
@@ -303,14 +281,14 @@ fn two_disturbances_come_near_the_limit() {
         near("limit", point.limit.unwrap(), expected, 1e-3);
     }
     // Nothing but the ratio matters to the search: it holds beta where Theorem 4 would.
-    let spec = &s1().spec;
+    let spec = &s1_by_gap().spec;
     let bound = spec.theorem(&spec.inputs().unwrap()).beta_bound();
     near("beta", performance.frozen.beta, bound, 0.05);
 }
 
 #[test]
 fn every_fault_is_reported() {
-    let design = s1();
+    let design = s1_by_gap();
     let [torque] = &design.performance.other_faults[..] else { panic!("one other fault") };
     assert_eq!(torque.fault, Fault::Torque { smallest_n_m: 50.0, band_hz: [0.0, 1.5] });
     // It acts on v_x alone, the disturbances without yaw rate on the others alone.

@@ -2,6 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+#[path = "common/few_drives.rs"]
+mod few_drives;
+#[path = "common/s1.rs"]
+mod s1;
+
 use serde::Deserialize;
 use steerguard_designer::band::Band;
 use steerguard_designer::certified::{Error, Gain, certified, certify};
@@ -10,11 +16,15 @@ use steerguard_designer::frequency::frozen;
 use steerguard_designer::gains::ObserverGains;
 use steerguard_designer::lmi::Matrix;
 use steerguard_designer::operating_point::OperatingPoint;
-use steerguard_designer::spec::{Calibration, Disturbance, Manoeuvre};
+use steerguard_designer::spec::Disturbance;
 use steerguard_designer::synthesis::{Goal, solve};
 use steerguard_designer::theorem4::{Theorem4, matrix};
-use steerguard_designer::{Design, DesignStatus, Spec, design};
+use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::{Refusal, verify};
+
+use common::papers_but;
+use few_drives::designed_with_few_drives;
+use s1::S1;
 
 const PAPER: &str = include_str!("../../examples/paper.toml");
 const THETA: f64 = std::f64::consts::TAU * 1.5 * 0.01;
@@ -23,24 +33,8 @@ fn near(value: f64, expected: f64, relative: f64) {
     assert!((value / expected - 1.0).abs() < relative, "{value}, expected {expected}");
 }
 
-/// A specification with few drives in the calibration.
-fn spec(text: &str) -> Spec {
-    let mut spec = Spec::from_toml(text).unwrap();
-    spec.evaluation.calibration = Calibration {
-        speeds: 1,
-        manoeuvres: vec![Manoeuvre::Sine],
-        lateral_acceleration_m_per_s2: vec![1.0],
-        disturbance_frequencies: 1,
-        disturbance_phases: 1,
-        initial_v_y_m_per_s: vec![0.0],
-        duration_s: 2.0,
-        ..Calibration::default()
-    };
-    spec
-}
-
 fn designed(text: &str) -> Design {
-    design(&spec(text), &mut |_| {}).unwrap()
+    designed_with_few_drives(Spec::from_toml(text).unwrap()).unwrap()
 }
 
 /// A case of fixtures/certified_gains.json.
@@ -107,33 +101,16 @@ fn papers_largest_beta_is_worth_its_reference_values() {
     assert!(figures.beta > 3.0 * synthesis.beta && figures.gamma < 0.01 * 0.8);
 }
 
-/// S1 of METHOD.md 7.
-const S1: &str = r#"
-    [[fault]]
-    channel = "steering"
-    smallest_deg = 1
-    [[disturbance]]
-    name = "lateral"
-    kind = "direction"
-    direction = [0, 1, 0]
-    bound = 0.5
-    [[disturbance]]
-    name = "yaw"
-    kind = "direction"
-    direction = [0, 0, 1]
-    bound = 0.1
-    [noise]
-    v_x.white_std_m_per_s = 0
-    r.white_std_rad_per_s = 0
-    [design]
-    method = "paper"
-    alpha_d = 0.02
-    V = [0, 15.44715447, 14.23425414]
-"#;
+/// S1, by the best multipliers of a grid.
+fn s1_by_paper() -> Design {
+    let method = "design.method = \"paper\"\ndesign.alpha_d = 0.02\n\
+                  design.V = [0, 15.44715447, 14.23425414]\n";
+    designed_with_few_drives(papers_but(&format!("{method}{S1}"))).unwrap()
+}
 
 #[test]
 fn two_disturbances_reach_the_reference_gap() {
-    let design = designed(S1);
+    let design = s1_by_paper();
     let certified = design.performance.certified.unwrap();
     // Per degree, and per bound.
     near(certified.beta * 1_f64.to_radians(), 0.14268, 2e-3);
@@ -147,8 +124,8 @@ fn two_disturbances_reach_the_reference_gap() {
 
 #[test]
 fn certified_figures_lie_between_synthesis_and_frozen_ones() {
-    for text in [PAPER, S1] {
-        let Design { synthesis, performance, .. } = designed(text);
+    for design in [designed(PAPER), s1_by_paper()] {
+        let Design { synthesis, performance, .. } = design;
         let (certified, frozen) = (performance.certified.unwrap(), performance.frozen);
         assert!(synthesis.beta < certified.beta && certified.beta < frozen.beta);
         assert!(frozen.gamma < certified.gamma && certified.gamma < synthesis.gamma);

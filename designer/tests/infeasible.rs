@@ -2,21 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use steerguard_designer::{Design, DesignError, Obstacle, Spec, design};
+#[path = "common/few_drives.rs"]
+mod few_drives;
 
-/// Few drives: what is asked here is whether there are gains.
-const CALIBRATION: &str = r#"
-    [evaluation.calibration]
-    speeds = 1
-    manoeuvres = ["straight"]
-    disturbance_frequencies = 1
-    disturbance_phases = 1
-    initial_v_y_m_per_s = [0]
-    duration_s = 2
-"#;
+use steerguard_designer::{Design, DesignError, Obstacle, Spec};
+
+use few_drives::designed_with_few_drives;
 
 fn designed(text: &str) -> Result<Design, DesignError> {
-    design(&Spec::from_toml(&format!("{text}{CALIBRATION}")).unwrap(), &mut |_| {})
+    designed_with_few_drives(Spec::from_toml(text).unwrap())
 }
 
 fn obstacle(text: &str) -> Obstacle {

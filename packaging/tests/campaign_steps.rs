@@ -3,15 +3,18 @@
 #![allow(clippy::unwrap_used)]
 
 mod common;
+#[path = "common/fmu.rs"]
+mod fmu;
 
 use steerguard::campaign::drive::Drive;
 use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
 use steerguard::cosimulation::Sample;
-use steerguard::importer::Fmu;
 use steerguard::package::{detector_fmu, plant_fmu};
 use steerguard::runtime::Runtimes;
 use steerguard_detector::{Interval, Vehicle};
+
+use fmu::open;
 
 const SUBJECT: Subject = Subject {
     vehicle: Vehicle::PAPER,
@@ -43,14 +46,9 @@ const SETTINGS: Settings = Settings {
 };
 
 fn bench() -> TestBench {
-    let open = |bytes: Vec<u8>| {
-        let file = tempfile::NamedTempFile::new().unwrap();
-        std::fs::write(file.path(), bytes).unwrap();
-        Fmu::open(file.path()).unwrap()
-    };
     TestBench {
-        detector: open(detector_fmu(&common::design(), &Runtimes::detector()).unwrap()),
-        plant: open(plant_fmu(&Runtimes::plant()).unwrap()),
+        detector: open(&detector_fmu(&common::design(), &Runtimes::detector()).unwrap()),
+        plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: SUBJECT,
     }
 }

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod common;
+#[path = "common/fmu.rs"]
+mod fmu;
 
 use std::collections::BTreeSet;
 use std::io::{Cursor, Read};
@@ -10,13 +12,15 @@ use std::io::{Cursor, Read};
 use object::{Object as _, ObjectSymbol as _};
 use steerguard::cosimulation;
 use steerguard::detection::Detection;
-use steerguard::importer::{Fmu, Type};
+use steerguard::importer::Type;
 use steerguard::package::{detector_fmu, plant_fmu};
 use steerguard::platform::Platform;
 use steerguard::runtime::Runtimes;
 use steerguard::scenario::Scenario;
 use steerguard_fmi2::Function;
 use steerguard_model_description::xml;
+
+use fmu::open;
 
 /// Symbols of the C library that the runtimes may use.
 const ALLOWED: [&str; 12] = [
@@ -40,12 +44,6 @@ fn detector() -> Vec<u8> {
 
 fn plant() -> Vec<u8> {
     plant_fmu(&Runtimes::plant()).unwrap()
-}
-
-fn open(bytes: &[u8]) -> Fmu {
-    let file = tempfile::NamedTempFile::new().unwrap();
-    std::fs::write(file.path(), bytes).unwrap();
-    Fmu::open(file.path()).unwrap()
 }
 
 fn entry(fmu: &[u8], name: &str) -> Vec<u8> {

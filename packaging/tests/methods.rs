@@ -2,13 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "common/fmu.rs"]
+mod fmu;
+
 use steerguard::cosimulation::{self, Sample};
 use steerguard::design_summary::baked;
-use steerguard::importer::Fmu;
 use steerguard::package::{detector_fmu, plant_fmu};
 use steerguard::runtime::Runtimes;
 use steerguard::scenario::{Scenario, Signal};
 use steerguard_designer::{Design, DesignStatus, Spec, design};
+
+use fmu::open;
 
 /// S2 of METHOD.md 7, with few drives in the calibration.
 const S2: &str = r#"
@@ -41,12 +45,6 @@ const S2: &str = r#"
 fn designed(method: &str) -> Design {
     let spec = Spec::from_toml(&format!("design.method = \"{method}\"\n{S2}")).unwrap();
     design(&spec, &mut |_| {}).unwrap()
-}
-
-fn open(bytes: &[u8]) -> Fmu {
-    let file = tempfile::NamedTempFile::new().unwrap();
-    std::fs::write(file.path(), bytes).unwrap();
-    Fmu::open(file.path()).unwrap()
 }
 
 /// J without and with a fault of 1 degree, both without their transients: the largest, the smallest.
