@@ -1,27 +1,26 @@
-//! Threshold kind "calibrated": the largest level of J over simulated fault-free drives.
+//! What J reaches over simulated fault-free drives.
 //!
 //! The nonlinear vehicle (1)-(2), integrated by Runge-Kutta steps of at most 1 ms, drives a detector
-//! with the gains under design. The level of a sample is J minus the threshold's start-up term, and
-//! counts while the detector monitors. What it measures is, first of all, how far the vehicle in
-//! continuous time departs from the detector's Euler steps, which grows with the steering rate and
-//! is largest at the lowest speed.
+//! with the gains under design; samples count while it monitors. The vehicle is the specified one, on
+//! a flat road in still air; or an uncertain one, drawn anew for each drive, as are bank and gusts.
 //!
 //! # Conventions
 //! Inputs are held from sample to sample, the disturbances for an integration step; the sensors' noise
-//! is that of the specification, white noise by a generator seeded with the drive's number. The drive torque
-//! is that of a speed control: cruise torque and I_e times the speed error a second.
+//! is that of the specification. Random numbers come from generators seeded with the drive's number. The
+//! drive torque is that of a speed control: cruise torque and I_e times the speed error a second.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, Uniform};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use steerguard_detector::{
-    Configuration, ConfigurationError, Detector, Monitor, Vehicle, VehicleState, rk4,
+    Configuration, ConfigurationError, Detector, Gust, Monitor, Vehicle, VehicleState, rk4,
 };
 
-use crate::spec::{Calibration, Manoeuvre, Noise, Spec};
+use crate::gust::Gusts;
+use crate::spec::{Calibration, Manoeuvre, Noise, Spec, UncertaintyTable};
 
 /// Longest integration step, s.
 const INTEGRATION_STEP_S: f64 = 1e-3;
@@ -29,6 +28,11 @@ const INTEGRATION_STEP_S: f64 = 1e-3;
 const DRIVES_AT_A_TIME: usize = 128;
 /// When the manoeuvres that are not periodic begin, s.
 const MANOEUVRE_START_S: f64 = 1.0;
+/// Length of a gust, and time between two, s.
+const GUST_S: [f64; 2] = [0.5, 3.0];
+const CALM_S: f64 = 1.0;
+/// Confidence of [`Level::exceeded_at_most`].
+const CONFIDENCE: f64 = 0.95;
 
 /// One fault-free drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,10 +67,21 @@ impl Wave {
     }
 }
 
-/// The largest level, and where it was met.
+/// Which vehicles are driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Population {
+    /// The specified one, on a flat road in still air. The statistic is J minus the threshold's start-up
+    /// term.
+    Specified,
+    /// Vehicles, banks and gusts drawn evenly from what is uncertain. The statistic is J / J_th.
+    Uncertain,
+}
+
+/// The largest statistic, and where it was met.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Level {
-    /// Largest J minus start-up term.
+    /// Largest statistic of its [`Population`] at a monitored sample.
     pub level: f64,
     /// The drive that gave it.
     pub worst: Drive,
@@ -74,6 +89,11 @@ pub struct Level {
     pub drives: usize,
     /// Share of the samples at which the detector monitored.
     pub monitored: f64,
+    /// With 95 % confidence, the probability that a further drive, picked from these and its random
+    /// numbers drawn anew, exceeds the level is at most this: `1 - 0.05^(1/n)`, from the largest of n
+    /// independent drives (Wilks 1941). Of drives that differ in their probability p_i, none exceeds it
+    /// with probability `prod (1 - p_i) <= (1 - mean p_i)^n`, so it holds for their mean.
+    pub exceeded_at_most: f64,
 }
 
 /// All drives that the specification asks for, in a fixed order.
@@ -150,8 +170,9 @@ fn spread(min: f64, max: f64, count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| min + step * k as f64)
 }
 
-/// Runs `drives` on all processors and returns the largest level; `progress` hears how many are
-/// done. The result does not depend on the number of processors. None without a monitored sample.
+/// Runs `drives` with a `population` of vehicles on all processors and returns the largest statistic;
+/// `progress` hears how many are done. The result does not depend on the number of processors. None
+/// without a monitored sample.
 ///
 /// # Errors
 /// [`ConfigurationError`] where the detector cannot run with `configuration`.
@@ -159,6 +180,7 @@ pub fn calibrate(
     spec: &Spec,
     configuration: &Configuration,
     drives: &[Drive],
+    population: Population,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Option<Level>, ConfigurationError> {
     let detector = Detector::new(configuration)?;
@@ -166,7 +188,8 @@ pub fn calibrate(
     for part in drives.chunks(DRIVES_AT_A_TIME) {
         let done = outcomes.len();
         let drives = part.par_iter().enumerate();
-        outcomes.par_extend(drives.map(|(k, drive)| run(spec, detector, drive, done + k)));
+        outcomes
+            .par_extend(drives.map(|(k, drive)| run(spec, detector, drive, done + k, population)));
         progress(outcomes.len());
     }
     // Of equal levels the first drive's.
@@ -184,20 +207,30 @@ pub fn calibrate(
         worst: worst.clone(),
         drives: drives.len(),
         monitored: sum(|x| x.monitored) / sum(|x| x.samples),
+        exceeded_at_most: 1.0 - (1.0 - CONFIDENCE).powf(1.0 / drives.len() as f64),
     }))
 }
 
 /// What one drive gave.
 struct Outcome {
-    /// Largest J minus start-up term at a monitored sample.
+    /// Largest statistic at a monitored sample.
     level: Option<f64>,
     monitored: u64,
     samples: u64,
 }
 
-/// Simulates drive number `index`, which seeds its sensor noise.
-fn run(spec: &Spec, mut detector: Detector, drive: &Drive, index: usize) -> Outcome {
-    let vehicle = &spec.vehicle;
+/// Simulates drive number `index`, which seeds its sensor noise and its vehicle.
+fn run(
+    spec: &Spec,
+    mut detector: Detector,
+    drive: &Drive,
+    index: usize,
+    population: Population,
+) -> Outcome {
+    let world = match population {
+        Population::Specified => World::specified(spec),
+        Population::Uncertain => World::drawn(spec, index),
+    };
     let t_s = spec.sampling.period_s;
     let steps = (t_s / INTEGRATION_STEP_S).ceil().max(1.0);
     let step = t_s / steps;
@@ -209,8 +242,8 @@ fn run(spec: &Spec, mut detector: Detector, drive: &Drive, index: usize) -> Outc
     let mut outcome = Outcome { level: None, monitored: 0, samples };
     for k in 0..samples {
         let t = k as f64 * t_s;
-        let t_eng = vehicle.cruise_torque(drive.v_x_m_per_s)
-            + vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
+        let t_eng = spec.vehicle.cruise_torque(drive.v_x_m_per_s)
+            + spec.vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
         let delta = steering(spec, drive, t);
 
         let wave = drive.disturbance.at(t);
@@ -218,16 +251,91 @@ fn run(spec: &Spec, mut detector: Detector, drive: &Drive, index: usize) -> Outc
         let output = detector.sample(measured, [t_eng, delta]);
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
-            let start_up_term = output.j_th - steady_threshold;
-            let level = output.j_rms - start_up_term;
+            let level = match population {
+                Population::Specified => output.j_rms - (output.j_th - steady_threshold),
+                Population::Uncertain => output.j_rms / output.j_th,
+            };
             outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
         }
         for inner in 0..steps as u32 {
-            let push = disturbance(spec, drive, t + f64::from(inner) * step);
-            x = rk4(|x| plus(vehicle.derivative(x, [t_eng, delta]), push), x, step);
+            let t = t + f64::from(inner) * step;
+            let push = plus(disturbance(spec, drive, t), world.slope(t, x[0]));
+            x = rk4(|x| plus(world.vehicle.derivative(x, [t_eng, delta]), push), x, step);
         }
     }
     outcome
+}
+
+/// Vehicle, road and air of one drive.
+struct World {
+    vehicle: Vehicle,
+    bank_m_per_s2: f64,
+    /// Of the fastest gust, with the force it has.
+    gust: Gust,
+    gusts: Gusts,
+}
+
+impl World {
+    fn specified(spec: &Spec) -> Self {
+        Self {
+            vehicle: spec.vehicle,
+            bank_m_per_s2: 0.0,
+            gust: Gust { speed_m_per_s: 0.0, ..spec.uncertainty.gust() },
+            gusts: Gusts {
+                speed_m_per_s: 0.0,
+                duration_s: GUST_S[0],
+                start_s: 0.0,
+                pause_s: CALM_S,
+            },
+        }
+    }
+
+    /// Draws those of drive number `index`.
+    fn drawn(spec: &Spec, index: usize) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(index as u64);
+        // Stream 0 is the sensor noise.
+        generator.set_stream(1);
+        let mut between = |[min, max]: [f64; 2]| {
+            // Evenly spread, ends included; of an interval without width, its only value.
+            Uniform::new_inclusive(min, max).map_or(min, |range| range.sample(&mut generator))
+        };
+        let uncertainty = &spec.uncertainty;
+        let [mass, yaw_inertia, front, rear] =
+            uncertainty.intervals_percent().map(|interval| 1.0 + between(interval) / 100.0);
+        let v = &spec.vehicle;
+        let (bank_deg, gust) = (uncertainty.bank_deg, uncertainty.gust());
+        let fastest = gust.speed_m_per_s;
+        Self {
+            vehicle: Vehicle {
+                mass_kg: mass * v.mass_kg,
+                effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
+                yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
+                front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
+                rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
+                ..*v
+            },
+            bank_m_per_s2: UncertaintyTable::bank_m_per_s2(between([-bank_deg, bank_deg])),
+            gust,
+            gusts: Gusts {
+                speed_m_per_s: between([-fastest, fastest]),
+                duration_s: between(GUST_S),
+                start_s: between([0.0, GUST_S[1]]),
+                pause_s: CALM_S,
+            },
+        }
+    }
+
+    /// What road and air add to the state's derivative at time `t` and speed `v_x`.
+    fn slope(&self, t: f64, v_x: f64) -> VehicleState {
+        let wind = Gust { speed_m_per_s: self.gusts.wind_m_per_s(t), ..self.gust };
+        let force = wind.side_force(v_x);
+        let v = &self.vehicle;
+        [
+            0.0,
+            self.bank_m_per_s2 + force / v.mass_kg,
+            wind.acting_ahead_m * force / v.yaw_inertia_kg_m2,
+        ]
+    }
 }
 
 /// Sensor noise of one drive: white, and what is bounded at its bound along the disturbances' wave.

@@ -6,7 +6,6 @@ use clarabel::solver::SolverStatus;
 use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, RULES};
 
 use crate::band::Band;
-use crate::calibration::{Level, calibrate, drives};
 use crate::certificate::{Check, check, error_dynamics};
 use crate::design_file::{
     AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
@@ -23,6 +22,7 @@ use crate::spec_error::SpecError;
 use crate::start_up;
 use crate::synthesis::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::theorem4::Theorem4;
+use crate::threshold::{self, Threshold};
 use crate::worth::Worth;
 
 /// The start-up term may be forgotten once below this share of the smallest fault's residual.
@@ -366,6 +366,7 @@ fn evaluate(
         window: e.window_samples,
         weights: e.weights,
         threshold: 1.0,
+        uncertainty_share: 0.0,
         start_up_amplitude: 0.0,
         start_up_decay: 0.0,
         debounce_samples: e.debounce_samples,
@@ -388,17 +389,15 @@ fn evaluate(
             start_up_decay: bound.decay,
             ..without_threshold
         },
+        deviations: spec.deviations(),
     };
-    let drives = drives(spec);
-    let of = drives.len();
-    progress(Step::Calibration { done: 0, of });
-    let mut count = |done| progress(Step::Calibration { done, of });
-    let calibration: Level =
-        calibrate(spec, &configuration, &drives, &mut count)?.ok_or(DesignError::Calibration)?;
+    let Threshold { threshold, uncertainty_share, calibration, uncertain } =
+        threshold::threshold(spec, &configuration, progress)?;
     Ok(EvaluationDesign {
         window: e.window_samples,
         weights: e.weights,
-        threshold: e.margin * calibration.level,
+        threshold,
+        uncertainty_share,
         kind: e.threshold,
         margin: e.margin,
         start_up: StartUpRecord {
@@ -409,6 +408,7 @@ fn evaluate(
         },
         debounce_samples: e.debounce_samples,
         calibration,
+        uncertain,
     })
 }
 

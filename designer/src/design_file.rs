@@ -109,18 +109,25 @@ pub struct EvaluationDesign {
     pub window: usize,
     /// Diagonal of W_r.
     pub weights: [f64; 2],
-    /// Threshold on J once the start-up has passed: margin times level.
+    /// Threshold on J once the start-up has passed, where nothing is uncertain.
     pub threshold: f64,
+    /// Share of the bound on what `spec.uncertainty` does to J that is added to it; 0 but for kind
+    /// "adaptive".
+    pub uncertainty_share: f64,
     /// How the threshold was found.
     pub kind: ThresholdKind,
-    /// Margin over the level.
+    /// Margin over the levels below.
     pub margin: f64,
     /// The start-up term: `||W_r r_j|| <= amplitude decay^j` after a start.
     pub start_up: StartUpRecord,
     /// Consecutive samples above the threshold that raise the alarm.
     pub debounce_samples: u32,
-    /// The largest fault-free level; its drives are described in `spec.evaluation.calibration`.
-    pub calibration: Level,
+    /// The largest fault-free J, less the start-up term, of the specified vehicle; its drives are
+    /// described in `spec.evaluation.calibration`. Null for kind "constant".
+    pub calibration: Option<Level>,
+    /// The largest ratio of J to that level and the bound, in the same drives of uncertain vehicles.
+    /// Null but for kind "adaptive".
+    pub uncertain: Option<Level>,
 }
 
 /// The bound on the start-up residual.
@@ -416,10 +423,12 @@ impl Design {
                 window: e.window,
                 weights: e.weights,
                 threshold: e.threshold,
+                uncertainty_share: e.uncertainty_share,
                 start_up_amplitude: e.start_up.amplitude,
                 start_up_decay: e.start_up.decay,
                 debounce_samples: e.debounce_samples,
             },
+            deviations: self.spec.deviations(),
         }
     }
 }

@@ -22,6 +22,7 @@ mod design_file;
 pub mod frequency;
 pub mod gains;
 pub mod gap;
+pub mod gust;
 mod infeasible;
 pub mod lmi;
 pub mod operating_point;
@@ -30,6 +31,7 @@ mod spec_error;
 pub mod start_up;
 pub mod synthesis;
 pub mod theorem4;
+pub mod threshold;
 pub mod worth;
 
 pub use certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};

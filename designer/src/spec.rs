@@ -10,7 +10,7 @@
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{Interval, MAX_WINDOW, OperatingRange, TsModel, Vehicle};
+use steerguard_detector::{Deviations, Interval, MAX_WINDOW, OperatingRange, TsModel, Vehicle};
 
 use crate::band::Band;
 use crate::calibration;
@@ -21,8 +21,10 @@ use crate::spec_error::{Allowed, SpecError, parse};
 use crate::theorem4::{Multipliers, Theorem4};
 
 mod channel;
+mod uncertainty;
 
 pub use channel::{Disturbance, Fault, Noise, SpeedNoise, YawRateNoise};
+pub use uncertainty::UncertaintyTable;
 
 /// A specification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +43,8 @@ pub struct Spec {
     pub disturbance: Vec<Disturbance>,
     /// Sensor noise; the default is that of a wheel-speed and a yaw-rate sensor of a production car.
     pub noise: Noise,
+    /// What is not known of vehicle, road and air.
+    pub uncertainty: UncertaintyTable,
     /// How the gains are found.
     pub design: Method,
     /// How the residual is evaluated.
@@ -122,11 +126,13 @@ impl OperatingRangeTable {
 pub struct Sampling {
     /// T_s; default 0.01.
     pub period_s: f64,
+    /// Whether the detector takes out of the residual what Euler's steps leave out; default true.
+    pub euler_correction: bool,
 }
 
 impl Default for Sampling {
     fn default() -> Self {
-        Self { period_s: 0.01 }
+        Self { period_s: 0.01, euler_correction: true }
     }
 }
 
@@ -207,8 +213,11 @@ pub struct Evaluation {
     /// Diagonal of W_r for the residuals of v_x (per m/s) and r (per rad/s); default [0.1, 1], the
     /// inverse proportion of their noise.
     pub weights: [f64; 2],
-    /// How the threshold is found; default "calibrated".
+    /// How the threshold is found; default "adaptive".
     pub threshold: ThresholdKind,
+    /// Threshold of kind "constant", on J once the start-up has passed; for no other kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub constant: Option<f64>,
     /// Threshold over the largest fault-free level of the calibration; default 1.25.
     pub margin: f64,
     /// Consecutive samples above the threshold that raise the alarm; default 1.
@@ -222,7 +231,8 @@ impl Default for Evaluation {
         Self {
             window_samples: 40,
             weights: [0.1, 1.0],
-            threshold: ThresholdKind::Calibrated,
+            threshold: ThresholdKind::Adaptive,
+            constant: None,
             margin: 1.25,
             debounce_samples: 1,
             calibration: Calibration::default(),
@@ -234,8 +244,14 @@ impl Default for Evaluation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ThresholdKind {
-    /// Largest level of simulated fault-free drives, times a margin.
+    /// A given number.
+    Constant,
+    /// Largest level of simulated fault-free drives of the vehicle as specified, times a margin.
     Calibrated,
+    /// That level and, sample by sample, the bound on what the uncertainties can do in the manoeuvre
+    /// driven; both times the largest ratio of J to their sum over simulated fault-free drives of
+    /// uncertain vehicles, times a margin.
+    Adaptive,
 }
 
 /// `[evaluation.calibration]`: every manoeuvre at every speed and lateral acceleration, under every
@@ -312,6 +328,7 @@ impl Default for Spec {
                 band_hz: channel::low_band(),
             }],
             noise: Noise::default(),
+            uncertainty: UncertaintyTable::default(),
             design: Method::default(),
             evaluation: Evaluation::default(),
         }
@@ -319,15 +336,22 @@ impl Default for Spec {
 }
 
 impl Spec {
-    /// The paper's own case: Theorem 4 with its multipliers, no sensor noise, W_r = I.
+    /// The paper's own case: Theorem 4 with its multipliers, no sensor noise, W_r = I, Euler's steps as
+    /// they are, everything known.
     pub fn paper() -> Self {
         Self {
             noise: Noise {
                 v_x: SpeedNoise { white_std_m_per_s: 0.0, ..SpeedNoise::default() },
                 r: YawRateNoise { white_std_rad_per_s: 0.0, ..YawRateNoise::default() },
             },
+            sampling: Sampling { euler_correction: false, ..Sampling::default() },
+            uncertainty: UncertaintyTable::NONE,
             design: Method { method: MethodName::Paper, ..Method::default() },
-            evaluation: Evaluation { weights: [1.0, 1.0], ..Evaluation::default() },
+            evaluation: Evaluation {
+                weights: [1.0, 1.0],
+                threshold: ThresholdKind::Calibrated,
+                ..Evaluation::default()
+            },
             ..Self::default()
         }
     }
@@ -350,6 +374,7 @@ impl Spec {
         self.check_vehicle_and_range()?;
         self.check_sampling()?;
         self.check_channels()?;
+        self.uncertainty.check()?;
         self.check_design()?;
         self.check_evaluation()
     }
@@ -541,6 +566,21 @@ impl Spec {
             "finite, not negative and not both zero",
         )?;
         Allowed::between(1.0, 100.0).check("evaluation.margin", e.margin)?;
+        match (e.threshold, e.constant) {
+            (ThresholdKind::Constant, Some(constant)) => {
+                Allowed::POSITIVE.check("evaluation.constant", constant)?;
+            }
+            (ThresholdKind::Constant, None) => {
+                let allowed = "with `evaluation.constant`, the threshold on J";
+                SpecError::unless(false, "evaluation.threshold", "constant", allowed)?;
+            }
+            (_, constant) => SpecError::unless(
+                constant.is_none(),
+                "evaluation.constant",
+                constant.unwrap_or_default(),
+                "with threshold = \"constant\" only",
+            )?,
+        }
         let at_least_one = "1 or more";
         SpecError::unless(
             e.debounce_samples >= 1,
@@ -612,6 +652,16 @@ impl Spec {
             vehicle: self.vehicle,
             sampling_period_s: self.sampling.period_s,
             range: self.operating_range.range(),
+        }
+    }
+
+    /// What the detector is told of deviations from the model.
+    pub fn deviations(&self) -> Deviations {
+        let column = self.fault[0].column();
+        Deviations {
+            euler_correction: self.sampling.euler_correction,
+            uncertainty: self.uncertainty.bounds(),
+            smallest_fault: self.model().b().map(|row| row[column] * self.fault[0].smallest()),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Everything the detector is told: plain numbers, checked once before it runs.
 
-use crate::{Evaluation, Gains, Interval, MAX_WINDOW, TsModel};
+use crate::{Deviations, Evaluation, Gains, Interval, MAX_WINDOW, TsModel};
 
 /// A detector's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Configuration {
     pub gains: Gains,
     /// Residual evaluation.
     pub evaluation: Evaluation,
+    /// Where the vehicle may depart from the model.
+    pub deviations: Deviations,
 }
 
 /// Why a configuration cannot run: the first field that is not finite or out of its range.
@@ -41,6 +43,7 @@ impl Configuration {
         let range = &self.model.range;
         let e = &self.evaluation;
         let g = &self.gains;
+        let d = &self.deviations.uncertainty;
         let armed = range.shrunk(self.hysteresis);
         let proper = |i: Interval| i.min < i.max && i.min.is_finite() && i.max.is_finite();
         let positive = |x: f64| x > 0.0 && x.is_finite();
@@ -72,9 +75,19 @@ impl Configuration {
             ("window", (1..=MAX_WINDOW).contains(&e.window)),
             ("weights", e.weights.iter().all(|&x| not_negative(x))),
             ("threshold", positive(e.threshold)),
+            ("uncertainty share", not_negative(e.uncertainty_share)),
             ("start-up amplitude", not_negative(e.start_up_amplitude)),
             ("start-up decay", not_negative(e.start_up_decay) && e.start_up_decay < 1.0),
             ("debounce", e.debounce_samples >= 1),
+            ("uncertainty of the mass", not_negative(d.mass)),
+            ("uncertainty of the yaw inertia", not_negative(d.yaw_inertia)),
+            ("uncertainty of the front stiffness", not_negative(d.front_cornering_stiffness)),
+            ("uncertainty of the rear stiffness", not_negative(d.rear_cornering_stiffness)),
+            ("bank", not_negative(d.bank_m_per_s2)),
+            ("gust speed", not_negative(d.gust.speed_m_per_s)),
+            ("gust coefficient", not_negative(d.gust.coefficient_n_s2_per_m2)),
+            ("gust lever", d.gust.acting_ahead_m.is_finite()),
+            ("smallest fault", self.deviations.smallest_fault.iter().all(finite)),
         ] {
             if !holds {
                 return Err(ConfigurationError { field });

@@ -1,8 +1,8 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
 use crate::{
-    Configuration, ConfigurationError, Evaluation, Input, Measurement, Observer, OperatingRange,
-    Rms, StartUp, VehicleState,
+    Configuration, ConfigurationError, Deviations, Evaluation, Input, Measurement, Observer,
+    OperatingRange, Responses, Rms, StartUp, VehicleState,
 };
 
 /// Inputs and measurements of this magnitude and more count as invalid, in SI units, and an estimate
@@ -42,7 +42,8 @@ pub enum Initialisation {
 /// Results of the last sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output {
-    /// Residual `r = y - C x^` in m/s and rad/s; zero where no observer runs.
+    /// Residual `r = y - C x^` (10) in m/s and rad/s, less the response to Euler's remainder where
+    /// that is corrected; zero where no observer runs.
     pub residual: Measurement,
     /// Estimated lateral speed, m/s.
     pub v_y_hat: f64,
@@ -50,6 +51,9 @@ pub struct Output {
     pub j_rms: f64,
     /// J_th, the threshold that J is held against; positive.
     pub j_th: f64,
+    /// The J that the smallest fault of interest would make alone had it acted since the observer's
+    /// start, over J_th: below 1 it could not be seen.
+    pub detectability: f64,
     /// Whether a fault is detected at this sample.
     pub alarm: bool,
     /// Which condition holds.
@@ -73,6 +77,8 @@ pub struct State {
     pub rms: Rms,
     /// Threshold's start-up term.
     pub start_up: StartUp,
+    /// Responses to deviations from the model.
+    pub responses: Responses,
     /// Consecutive samples with `J >= J_th`.
     pub exceedances: u32,
     /// Results of the last sample.
@@ -85,6 +91,7 @@ pub struct Detector {
     observer: Observer,
     armed_range: OperatingRange,
     evaluation: Evaluation,
+    deviations: Deviations,
     /// Factor on J_th, positive; 1 is the design's threshold.
     pub threshold_factor: f64,
     /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
@@ -102,11 +109,12 @@ impl Detector {
     /// [`ConfigurationError`] where a number is not finite or out of its range.
     pub fn new(configuration: &Configuration) -> Result<Self, ConfigurationError> {
         configuration.check()?;
-        let Configuration { model, hysteresis, gains, evaluation } = *configuration;
+        let Configuration { model, hysteresis, gains, evaluation, deviations } = *configuration;
         Ok(Self {
             observer: Observer::new(model, gains),
             armed_range: model.range.shrunk(hysteresis),
             evaluation,
+            deviations,
             threshold_factor: 1.0,
             debounce_samples: evaluation.debounce_samples,
             initialisation: Initialisation::FirstMeasurement,
@@ -117,6 +125,7 @@ impl Detector {
                 armed: false,
                 rms: Rms::EMPTY,
                 start_up: StartUp::RESTARTED,
+                responses: Responses::NONE,
                 exceedances: 0,
                 output: Output { j_th: evaluation.threshold, ..Output::default() },
             },
@@ -166,6 +175,7 @@ impl Detector {
         state.armed = true;
         state.rms = Rms::EMPTY;
         state.start_up = StartUp::RESTARTED;
+        state.responses = Responses::NONE;
         state.exceedances = 0;
     }
 
@@ -179,18 +189,25 @@ impl Detector {
             state.armed = false;
             return;
         }
-        state.z = self.observer.advance(state.z, y, u, x_hat[1]);
+        let n = self.observer.n(y);
+        state.z = self.observer.advance(&n, state.z, y, u, x_hat[1]);
 
-        let residual = [y[0] - x_hat[0], y[1] - x_hat[2]]; // (10)
-        let [w_v_x, w_r] = self.evaluation.weights;
-        let weighted = [w_v_x * residual[0], w_r * residual[1]];
-        let square = weighted[0] * weighted[0] + weighted[1] * weighted[1];
-        let start_up_term = state.start_up.next(&self.evaluation);
+        let evaluation = &self.evaluation;
+        let [v_x, _, r] = state.responses.remainder;
+        let residual = [y[0] - x_hat[0] - v_x, y[1] - x_hat[2] - r]; // (10)
+        let [uncertainty, fault] = state.responses.levels(evaluation);
+        let x = [y[0], x_hat[1], y[1]];
+        state.responses.advance(&self.deviations, &self.observer, &n, x, u);
 
-        state.output.residual = residual;
-        state.output.v_y_hat = x_hat[1];
-        state.output.j_rms = state.rms.push(square, self.evaluation.window);
-        state.output.j_th = self.threshold_factor * (self.evaluation.threshold + start_up_term);
+        let output = &mut state.output;
+        output.residual = residual;
+        output.v_y_hat = x_hat[1];
+        output.j_rms = state.rms.push(evaluation.square(residual), evaluation.window);
+        output.j_th = self.threshold_factor
+            * (evaluation.threshold
+                + state.start_up.next(evaluation)
+                + evaluation.uncertainty_share * uncertainty);
+        output.detectability = fault / output.j_th;
         // The bound on rho (15) holds only while the estimate stays in S_x too.
         state.armed &= self.observer.model.range.v_y.contains(x_hat[1]);
     }

@@ -1,5 +1,7 @@
 //! Residual evaluation: windowed RMS, and the threshold's start-up term (METHOD.md 6).
 
+use crate::Measurement;
+
 /// Longest window, samples.
 pub const MAX_WINDOW: usize = 256;
 
@@ -10,14 +12,25 @@ pub struct Evaluation {
     pub window: usize,
     /// Diagonal of W_r, for the residuals of v_x (per m/s) and r (per rad/s); not negative.
     pub weights: [f64; 2],
-    /// Threshold on J once the start-up has passed, positive.
+    /// Threshold on J once the start-up has passed, where nothing is uncertain; positive.
     pub threshold: f64,
+    /// Share of the uncertainties' bound that is added to the threshold, not negative.
+    pub uncertainty_share: f64,
     /// Bound on the start-up residual: `||W_r r_j|| <= amplitude decay^j`, not negative.
     pub start_up_amplitude: f64,
     /// Decay rate of the start-up residual for each sample, in `[0, 1)`.
     pub start_up_decay: f64,
     /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
     pub debounce_samples: u32,
+}
+
+impl Evaluation {
+    /// `||W_r r||^2` of a residual `[v_x, r]` in m/s and rad/s.
+    pub fn square(&self, residual: Measurement) -> f64 {
+        let [w_v_x, w_r] = self.weights;
+        let weighted = [w_v_x * residual[0], w_r * residual[1]];
+        weighted[0] * weighted[0] + weighted[1] * weighted[1]
+    }
 }
 
 /// RMS over the last samples: `J(k) = sqrt(1/window sum ||W_r r||^2)`.

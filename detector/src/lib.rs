@@ -21,6 +21,7 @@
 mod algebra;
 mod configuration;
 mod detector;
+mod deviation;
 mod evaluation;
 mod observer;
 mod range;
@@ -29,6 +30,7 @@ mod vehicle;
 
 pub use configuration::{Configuration, ConfigurationError};
 pub use detector::{Detector, Initialisation, LARGEST_MAGNITUDE, Monitor, Output, State};
+pub use deviation::{Deviations, Gust, Responses, UNCERTAINTIES, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};

@@ -45,12 +45,29 @@ impl Observer {
         [z[0] - e_y[0], z[1] - e_y[1], z[2] - e_y[2]]
     }
 
-    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x.
-    pub fn advance(&self, z: VehicleState, y: Measurement, u: Input, v_y_hat: f64) -> VehicleState {
+    /// `N(h)` (10) at a measurement inside S_x, 3 x 3.
+    pub fn n(&self, y: Measurement) -> [[f64; 3]; 3] {
+        blend(&self.model.membership(y), &self.gains.n)
+    }
+
+    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x and `n` = N(h) there.
+    pub fn advance(
+        &self,
+        n: &[[f64; 3]; 3],
+        z: VehicleState,
+        y: Measurement,
+        u: Input,
+        v_y_hat: f64,
+    ) -> VehicleState {
         let h = self.model.membership(y);
-        let linear =
-            sum(product(&blend(&h, &self.gains.n), &z), product(&blend(&h, &self.gains.l), &y));
+        let linear = sum(product(n, &z), product(&blend(&h, &self.gains.l), &y));
         let consequent = self.model.consequent(&self.columns, y, u, v_y_hat);
         sum(linear, product(&self.gains.m, &consequent))
+    }
+
+    /// `e+ = N(h) e + M w`: how the error goes on from `e` where the vehicle departs by `w` from the
+    /// model (7), to first order in e.
+    pub fn respond(&self, n: &[[f64; 3]; 3], e: VehicleState, w: VehicleState) -> VehicleState {
+        sum(product(n, &e), product(&self.gains.m, &w))
     }
 }

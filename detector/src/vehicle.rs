@@ -86,6 +86,30 @@ impl Vehicle {
         self.derivative_under(x, t_eng, self.axle_forces(x, delta))
     }
 
+    /// `d^2x/dt^2` of (3) with linear tyres under a held input, for `v_x > 0`.
+    pub fn second_derivative(&self, x: VehicleState, u: Input) -> VehicleState {
+        let [v_x, v_y, r] = x;
+        let [v_x_dot, v_y_dot, r_dot] = self.derivative(x, u);
+        let (m, i_z) = (self.mass_kg, self.yaw_inertia_kg_m2);
+        let (l_f, l_r) = (self.front_axle_distance_m, self.rear_axle_distance_m);
+        // Slip angles (v_y + l_f r) / v_x and (v_y - l_r r) / v_x, by the quotient rule.
+        let slip_dot = |lateral: f64, dot: f64| (dot - lateral / v_x * v_x_dot) / v_x;
+        let front_dot = -2.0
+            * self.front_cornering_stiffness_n_per_rad
+            * slip_dot(v_y + l_f * r, v_y_dot + l_f * r_dot);
+        let rear_dot = -2.0
+            * self.rear_cornering_stiffness_n_per_rad
+            * slip_dot(v_y - l_r * r, v_y_dot - l_r * r_dot);
+        let (c_x, c_y) = (self.longitudinal_drag_n_m_s2_per_m2, self.lateral_drag_n_s2_per_m2);
+        [
+            -2.0 * c_x * v_x * v_x_dot / self.effective_longitudinal_inertia_kg_m
+                + v_y_dot * r
+                + v_y * r_dot,
+            (front_dot + rear_dot - 2.0 * c_y * v_y * v_y_dot) / m - v_x_dot * r - v_x * r_dot,
+            (l_f * front_dot - l_r * rear_dot) / i_z,
+        ]
+    }
+
     /// Drive torque in N m at the wheels that holds `v_x` on a straight road.
     pub fn cruise_torque(&self, v_x: f64) -> f64 {
         self.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x

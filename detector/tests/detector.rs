@@ -4,7 +4,8 @@
 
 use proptest::prelude::*;
 use steerguard_detector::{
-    Configuration, Detector, Evaluation, Gains, Initialisation, Monitor, Output, TsModel,
+    Configuration, Detector, Deviations, Evaluation, Gains, Initialisation, Monitor, Output,
+    TsModel, Uncertainty,
 };
 
 const NAN: f64 = f64::NAN;
@@ -33,9 +34,15 @@ fn configuration() -> Configuration {
             window: 40,
             weights: [1.0, 1.0],
             threshold: 1e-3,
+            uncertainty_share: 1.0,
             start_up_amplitude: 0.1,
             start_up_decay: 0.97,
             debounce_samples: 1,
+        },
+        deviations: Deviations {
+            euler_correction: false,
+            uncertainty: Uncertainty::default(),
+            smallest_fault: [0.0; 3],
         },
     }
 }

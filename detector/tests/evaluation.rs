@@ -8,6 +8,7 @@ fn evaluation(window: usize, amplitude: f64, decay: f64) -> Evaluation {
         window,
         weights: [1.0, 1.0],
         threshold: 1.0,
+        uncertainty_share: 1.0,
         start_up_amplitude: amplitude,
         start_up_decay: decay,
         debounce_samples: 1,

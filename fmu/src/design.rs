@@ -1,8 +1,8 @@
 //! A design as bytes: the payload of the block that is baked into the library.
 
 use steerguard_detector::{
-    Configuration, ConfigurationError, Evaluation, Gains, Interval, OperatingRange, RULES, TsModel,
-    Vehicle,
+    Configuration, ConfigurationError, Deviations, Evaluation, Gains, Gust, Interval,
+    OperatingRange, RULES, TsModel, Uncertainty, Vehicle,
 };
 use steerguard_fmi2::Archive;
 use steerguard_fmi2::archive::{read_fields, write_fields};
@@ -10,7 +10,7 @@ use steerguard_fmi2::archive::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
@@ -108,7 +108,8 @@ impl BakedDesign {
         archive.require(magic == MAGIC && version == VERSION);
         archive.bytes(&mut self.hash);
 
-        let Configuration { model, hysteresis, gains, evaluation } = &mut self.configuration;
+        let Configuration { model, hysteresis, gains, evaluation, deviations } =
+            &mut self.configuration;
         let TsModel { vehicle, sampling_period_s, range } = model;
         for number in [&mut self.beta, &mut self.gamma, &mut self.gap] {
             archive.real(number);
@@ -130,6 +131,7 @@ impl BakedDesign {
             archive.real(number);
         }
         evaluation_fields(evaluation, archive);
+        deviation_fields(deviations, archive);
     }
 
     /// What decoding fills in; no detector runs on it.
@@ -169,16 +171,34 @@ impl BakedDesign {
                 window: 0,
                 weights: [0.0; 2],
                 threshold: 0.0,
+                uncertainty_share: 0.0,
                 start_up_amplitude: 0.0,
                 start_up_decay: 0.0,
                 debounce_samples: 0,
+            },
+            deviations: Deviations {
+                euler_correction: false,
+                uncertainty: Uncertainty {
+                    mass: 0.0,
+                    yaw_inertia: 0.0,
+                    front_cornering_stiffness: 0.0,
+                    rear_cornering_stiffness: 0.0,
+                    bank_m_per_s2: 0.0,
+                    gust: Gust {
+                        speed_m_per_s: 0.0,
+                        coefficient_n_s2_per_m2: 0.0,
+                        acting_ahead_m: 0.0,
+                    },
+                },
+                smallest_fault: [0.0; 3],
             },
         },
     };
 }
 
-/// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation.
-const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 6;
+/// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation,
+/// deviations.
+const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 7 + 11;
 
 fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
     let Vehicle {
@@ -212,13 +232,42 @@ fn evaluation_fields(evaluation: &mut Evaluation, archive: &mut Archive<'_>) {
         window,
         weights: [w_v_x, w_r],
         threshold,
+        uncertainty_share,
         start_up_amplitude,
         start_up_decay,
         debounce_samples,
     } = evaluation;
     archive.size(window);
-    for number in [w_v_x, w_r, threshold, start_up_amplitude, start_up_decay] {
+    for number in [w_v_x, w_r, threshold, uncertainty_share, start_up_amplitude, start_up_decay] {
         archive.real(number);
     }
     archive.u32(debounce_samples);
+}
+
+fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
+    let Deviations { euler_correction, uncertainty, smallest_fault } = deviations;
+    archive.flag(euler_correction);
+    let Uncertainty {
+        mass,
+        yaw_inertia,
+        front_cornering_stiffness,
+        rear_cornering_stiffness,
+        bank_m_per_s2,
+        gust: Gust { speed_m_per_s, coefficient_n_s2_per_m2, acting_ahead_m },
+    } = uncertainty;
+    for number in [
+        mass,
+        yaw_inertia,
+        front_cornering_stiffness,
+        rear_cornering_stiffness,
+        bank_m_per_s2,
+        speed_m_per_s,
+        coefficient_n_s2_per_m2,
+        acting_ahead_m,
+    ]
+    .into_iter()
+    .chain(smallest_fault)
+    {
+        archive.real(number);
+    }
 }

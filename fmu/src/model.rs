@@ -3,7 +3,8 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    Detector, Initialisation, Input, Measurement, Monitor, Output, State, VehicleState,
+    Detector, Initialisation, Input, Measurement, Monitor, Output, Responses, Rms, State,
+    VehicleState,
 };
 use steerguard_fmi2::types::fmi2Status;
 use steerguard_fmi2::{Archive, Log, Model};
@@ -140,6 +141,8 @@ impl Model for DetectorModel {
 
             V::LateralSpeed => output.v_y_hat,
             V::Ratio => output.j_rms / output.j_th,
+            V::Detectability => output.detectability,
+            V::Excited => return Value::Boolean(output.detectability >= 1.0),
             V::AlarmLatched => return Value::Boolean(output.first_alarm.is_some()),
             V::FirstAlarmTime => output.first_alarm.map_or(NO_ALARM_TIME, |k| self.time_s(k)),
 
@@ -158,6 +161,7 @@ impl Model for DetectorModel {
             V::DesignGamma => self.design.gamma,
             V::DesignGap => self.design.gap,
             V::DesignThreshold => evaluation.threshold,
+            V::DesignUncertaintyShare => evaluation.uncertainty_share,
             V::DesignWindow => return Value::Integer(evaluation.window as i32),
             V::DesignWeightSpeedX => evaluation.weights[0],
             V::DesignWeightYawRate => evaluation.weights[1],
@@ -209,6 +213,8 @@ impl Model for DetectorModel {
             | V::State
             | V::LateralSpeed
             | V::Ratio
+            | V::Detectability
+            | V::Excited
             | V::AlarmLatched
             | V::FirstAlarmTime
             | V::DesignHash
@@ -217,6 +223,7 @@ impl Model for DetectorModel {
             | V::DesignGamma
             | V::DesignGap
             | V::DesignThreshold
+            | V::DesignUncertaintyShare
             | V::DesignWindow
             | V::DesignWeightSpeedX
             | V::DesignWeightYawRate
@@ -272,25 +279,29 @@ impl Model for DetectorModel {
 
 /// Passes the detector's state through `archive`.
 fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
-    let State { sample, z, tracking, armed, rms, start_up, exceedances, output } = state;
+    let State { sample, z, tracking, armed, rms, start_up, responses, exceedances, output } = state;
     archive.u64(sample);
     for number in z {
         archive.finite(number);
     }
     archive.flag(tracking);
     archive.flag(armed);
-    for square in rms.squares.iter_mut().take(window) {
-        archive.finite(square);
-    }
-    archive.size(&mut rms.oldest);
+    archive_rms(rms, window, archive);
     archive.finite(&mut start_up.power);
     archive.finite(&mut start_up.sum);
     archive.size(&mut start_up.samples);
-    archive.require(rms.oldest < window && start_up.samples <= window);
+    archive.require(start_up.samples <= window);
+    let Responses { remainder, uncertainties, fault, uncertainty_rms, fault_rms } = responses;
+    for number in remainder.iter_mut().chain(uncertainties.as_flattened_mut()).chain(fault) {
+        archive.finite(number);
+    }
+    archive_rms(uncertainty_rms, window, archive);
+    archive_rms(fault_rms, window, archive);
     archive.u32(exceedances);
 
-    let Output { residual, v_y_hat, j_rms, j_th, alarm, monitor, first_alarm } = output;
-    for number in residual.iter_mut().chain([v_y_hat, j_rms, &mut *j_th]) {
+    let Output { residual, v_y_hat, j_rms, j_th, detectability, alarm, monitor, first_alarm } =
+        output;
+    for number in residual.iter_mut().chain([v_y_hat, j_rms, &mut *j_th, detectability]) {
         archive.finite(number);
     }
     archive.require(*j_th > 0.0);
@@ -300,4 +311,12 @@ fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
         &[Monitor::Starting, Monitor::Monitoring, Monitor::OutOfRange, Monitor::InvalidInput],
     );
     archive.optional(first_alarm, |archive, sample| archive.u64(sample));
+}
+
+fn archive_rms(rms: &mut Rms, window: usize, archive: &mut Archive<'_>) {
+    for square in rms.squares.iter_mut().take(window) {
+        archive.finite(square);
+    }
+    archive.size(&mut rms.oldest);
+    archive.require(rms.oldest < window);
 }

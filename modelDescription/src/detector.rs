@@ -81,6 +81,11 @@ variables! {
         LateralSpeed, "v_y_hat", "Estimated lateral speed, left positive", Role::LOCAL,
             Kind::real(&unit::METRE_PER_SECOND).nominal(0.1);
         Ratio, "J_ratio", "J_rms / J_th", Role::LOCAL, Kind::real(&unit::ONE).min(0.0).nominal(1.0);
+        Detectability, "detectability",
+            "J that the smallest fault of interest would make alone, had it acted since the observer's start, over J_th",
+            Role::LOCAL, Kind::real(&unit::ONE).min(0.0).nominal(1.0);
+        Excited, "excited", "Whether the smallest fault of interest could be seen: detectability is 1 or more",
+            Role::LOCAL, Kind::Boolean;
         AlarmLatched, "alarm_latched", "True once an alarm was raised, until reset", Role::LOCAL,
             Kind::Boolean;
         FirstAlarmTime, "first_alarm_time",
@@ -115,8 +120,12 @@ variables! {
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.01);
         DesignGap, "design.gap", "Certified fault-to-disturbance gap of the design, 0 without certificate",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(1.0);
-        DesignThreshold, "design.threshold", "J_th after the start-up, for threshold_factor = 1",
+        DesignThreshold, "design.threshold",
+            "J_th after the start-up, where nothing is uncertain, for threshold_factor = 1",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.001);
+        DesignUncertaintyShare, "design.uncertainty_share",
+            "Share of the uncertainties' bound on J that is added to J_th",
+            Role::CONSTANT, Kind::real(&unit::ONE).min(0.0).nominal(1.0);
         DesignWindow, "design.window", "Samples in the window of J_rms", Role::CONSTANT,
             Kind::Integer { min: 1, max: i32::MAX };
         DesignWeightSpeedX, "design.weight.v_x", "Weight of residual.v_x in J_rms, per m/s",

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use steerguard_detector::Vehicle;
 
 /// Standard acceleration of gravity, m/s^2.
-const GRAVITY: f64 = 9.80665;
+pub(super) const GRAVITY: f64 = 9.80665;
 
 /// `[[fault]]`: an additive fault of an actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,140 @@
+//! `[uncertainty]`: what is not known of vehicle, road and air.
+//!
+//! # Conventions
+//! Parameters lie within [min, max], percent off the value in `[vehicle]`.
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::{Gust, Uncertainty};
+
+use super::channel::GRAVITY;
+use crate::spec_error::{Allowed, SpecError};
+
+/// Density of air, kg/m^3.
+const AIR_KG_PER_M3: f64 = 1.2;
+
+/// `[uncertainty]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct UncertaintyTable {
+    /// Mass, and I_e with it; default [-10, 10].
+    pub mass_percent: [f64; 2],
+    /// Yaw inertia; default [-10, 10].
+    pub yaw_inertia_percent: [f64; 2],
+    /// Cornering stiffness of a front tyre, friction included; default [-10, 10].
+    pub front_cornering_stiffness_percent: [f64; 2],
+    /// Cornering stiffness of a rear tyre, friction included; default [-10, 10].
+    pub rear_cornering_stiffness_percent: [f64; 2],
+    /// Steepest bank of the road, to either side; default 3.
+    pub bank_deg: f64,
+    /// Fastest gust across the road, from either side; default 10.
+    pub gust_m_per_s: f64,
+    /// Where gusts act ahead of the centre of gravity; default 0.25.
+    pub gust_acting_ahead_m: f64,
+    /// Frontal area of the vehicle; default 2.2.
+    pub frontal_area_m2: f64,
+    /// Side-force derivative of the vehicle on its frontal area, per rad; default 2.
+    pub side_force_per_rad: f64,
+}
+
+impl Default for UncertaintyTable {
+    fn default() -> Self {
+        let ten = [-10.0, 10.0];
+        Self {
+            mass_percent: ten,
+            yaw_inertia_percent: ten,
+            front_cornering_stiffness_percent: ten,
+            rear_cornering_stiffness_percent: ten,
+            bank_deg: 3.0,
+            gust_m_per_s: 10.0,
+            gust_acting_ahead_m: 0.25,
+            frontal_area_m2: 2.2,
+            side_force_per_rad: 2.0,
+        }
+    }
+}
+
+impl UncertaintyTable {
+    /// Everything is known: no bank, no gust.
+    pub const NONE: Self = Self {
+        mass_percent: [0.0, 0.0],
+        yaw_inertia_percent: [0.0, 0.0],
+        front_cornering_stiffness_percent: [0.0, 0.0],
+        rear_cornering_stiffness_percent: [0.0, 0.0],
+        bank_deg: 0.0,
+        gust_m_per_s: 0.0,
+        gust_acting_ahead_m: 0.25,
+        frontal_area_m2: 2.2,
+        side_force_per_rad: 2.0,
+    };
+
+    /// The parameters' intervals: mass, yaw inertia, front and rear stiffness.
+    pub fn intervals_percent(&self) -> [[f64; 2]; 4] {
+        [
+            self.mass_percent,
+            self.yaw_inertia_percent,
+            self.front_cornering_stiffness_percent,
+            self.rear_cornering_stiffness_percent,
+        ]
+    }
+
+    /// Fastest gust and its force.
+    pub fn gust(&self) -> Gust {
+        Gust {
+            speed_m_per_s: self.gust_m_per_s,
+            coefficient_n_s2_per_m2: 0.5
+                * AIR_KG_PER_M3
+                * self.frontal_area_m2
+                * self.side_force_per_rad,
+            acting_ahead_m: self.gust_acting_ahead_m,
+        }
+    }
+
+    /// Lateral component of gravity on a bank, m/s^2.
+    pub fn bank_m_per_s2(bank_deg: f64) -> f64 {
+        GRAVITY * libm::sin(bank_deg.to_radians())
+    }
+
+    /// The bounds that the detector is told.
+    pub fn bounds(&self) -> Uncertainty {
+        let largest = |ends: [f64; 2], deviation: fn(f64) -> f64| {
+            ends.into_iter().fold(0.0_f64, |most, end| most.max(deviation(1.0 + end / 100.0).abs()))
+        };
+        let of_inertia = |ends| largest(ends, |ratio| 1.0 / ratio - 1.0);
+        let of_stiffness = |ends| largest(ends, |ratio| ratio - 1.0);
+        Uncertainty {
+            mass: of_inertia(self.mass_percent),
+            yaw_inertia: of_inertia(self.yaw_inertia_percent),
+            front_cornering_stiffness: of_stiffness(self.front_cornering_stiffness_percent),
+            rear_cornering_stiffness: of_stiffness(self.rear_cornering_stiffness_percent),
+            bank_m_per_s2: Self::bank_m_per_s2(self.bank_deg),
+            gust: self.gust(),
+        }
+    }
+
+    /// Checks every value.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
+        for (key, interval) in [
+            ("mass_percent", self.mass_percent),
+            ("yaw_inertia_percent", self.yaw_inertia_percent),
+            ("front_cornering_stiffness_percent", self.front_cornering_stiffness_percent),
+            ("rear_cornering_stiffness_percent", self.rear_cornering_stiffness_percent),
+        ] {
+            let [min, max] = interval;
+            SpecError::unless(
+                (-90.0..=0.0).contains(&min) && (0.0..=900.0).contains(&max),
+                &format!("uncertainty.{key}"),
+                interval,
+                "[min, max] with -90 <= min <= 0 <= max <= 900: percent off the specified value",
+            )?;
+        }
+        Allowed::between(0.0, 45.0).check("uncertainty.bank_deg", self.bank_deg)?;
+        for (key, value) in [
+            ("gust_m_per_s", self.gust_m_per_s),
+            ("frontal_area_m2", self.frontal_area_m2),
+            ("side_force_per_rad", self.side_force_per_rad),
+        ] {
+            Allowed::NOT_NEGATIVE.check(&format!("uncertainty.{key}"), value)?;
+        }
+        Allowed::FINITE.check("uncertainty.gust_acting_ahead_m", self.gust_acting_ahead_m)
+    }
+}

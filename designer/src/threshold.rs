@@ -1,0 +1,154 @@
+//! The threshold by its kinds, and what it is made of.
+//!
+//! ```text
+//! J_th(k) = threshold + start-up term(k) + share RMS_window( sum_j ||W_r C e_j(k)|| )
+//! ```
+//!
+//! with e_j the error's response to uncertainty j at its bound: METHOD.md 6.
+
+use serde::Serialize;
+use steerguard_detector::{Configuration, Deviations, Evaluation, Input, Observer, VehicleState};
+
+use crate::calibration::{Level, Population, calibrate, drives, steady_angle};
+use crate::design::{DesignError, Step};
+use crate::spec::{Spec, ThresholdKind};
+
+/// Names of the uncertainties, in the order of the detector's.
+pub const UNCERTAINTIES: [&str; steerguard_detector::UNCERTAINTIES] = [
+    "mass",
+    "yaw inertia",
+    "front cornering stiffness",
+    "rear cornering stiffness",
+    "bank",
+    "gust",
+];
+
+/// A threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threshold {
+    /// On J once the start-up has passed, where nothing is uncertain.
+    pub threshold: f64,
+    /// Share of the uncertainties' bound that is added.
+    pub uncertainty_share: f64,
+    /// Largest fault-free level of the vehicle as specified; not of kind "constant".
+    pub calibration: Option<Level>,
+    /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
+    pub uncertain: Option<Level>,
+}
+
+/// The threshold that `spec` asks for of a detector with `configuration`, whose own is not looked at.
+///
+/// # Errors
+/// [`DesignError`] where the detector cannot run or monitors no sample.
+pub fn threshold(
+    spec: &Spec,
+    configuration: &Configuration,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Threshold, DesignError> {
+    let e = &spec.evaluation;
+    if let (ThresholdKind::Constant, Some(threshold)) = (e.threshold, e.constant) {
+        return Ok(Threshold {
+            threshold,
+            uncertainty_share: 0.0,
+            calibration: None,
+            uncertain: None,
+        });
+    }
+    let drives = drives(spec);
+    let populations = if e.threshold == ThresholdKind::Adaptive { 2 } else { 1 };
+    let of = populations * drives.len();
+    let mut largest = |population, threshold, uncertainty_share, before| {
+        progress(Step::Calibration { done: before, of });
+        let mut count = |done| progress(Step::Calibration { done: before + done, of });
+        let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
+        let configuration = Configuration { evaluation, ..*configuration };
+        calibrate(spec, &configuration, &drives, population, &mut count)?
+            .ok_or(DesignError::Calibration)
+    };
+
+    let calibration = largest(Population::Specified, 1.0, 0.0, 0)?;
+    let uncertain = match e.threshold {
+        ThresholdKind::Adaptive => {
+            Some(largest(Population::Uncertain, calibration.level, 1.0, drives.len())?)
+        }
+        _ => None,
+    };
+    let uncertainty_share = uncertain.as_ref().map_or(0.0, |ratio| e.margin * ratio.level);
+    let factor = uncertain.as_ref().map_or(e.margin, |ratio| e.margin * ratio.level);
+    Ok(Threshold {
+        threshold: factor * calibration.level,
+        uncertainty_share,
+        calibration: Some(calibration),
+        uncertain,
+    })
+}
+
+/// The threshold in a steady turn, cause by cause.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SteadyThreshold {
+    /// Speed.
+    pub v_x_m_per_s: f64,
+    /// Lateral acceleration.
+    pub lateral_acceleration_m_per_s2: f64,
+    /// Noise, disturbances and what else a fault-free drive of the specified vehicle shows.
+    pub level: f64,
+    /// Each uncertainty, in the order of [`UNCERTAINTIES`].
+    pub uncertainties: [f64; steerguard_detector::UNCERTAINTIES],
+    /// Their sum: J_th.
+    pub j_th: f64,
+    /// The J that the smallest fault of interest makes alone.
+    pub smallest_fault_j: f64,
+}
+
+/// Samples until a response counts as steady: the error decays by 0.97 a sample or faster.
+const STEADY: u32 = 2000;
+
+/// The threshold of a detector with `configuration` straight ahead and in a turn of
+/// `lateral_acceleration_m_per_s2`, at the lowest, middle and highest armed speed.
+pub fn by_cause(
+    configuration: &Configuration,
+    lateral_acceleration_m_per_s2: f64,
+) -> Vec<SteadyThreshold> {
+    let armed = configuration.model.range.shrunk(configuration.hysteresis);
+    let middle = 0.5 * (armed.v_x.min + armed.v_x.max);
+    let speeds = [armed.v_x.min, middle, armed.v_x.max];
+    let points =
+        speeds.iter().flat_map(|&v_x| [0.0, lateral_acceleration_m_per_s2].map(|a| (v_x, a)));
+    // As slow a turn as the range of r needs.
+    points.map(|(v_x, a_y)| steady(configuration, v_x, a_y.min(v_x * armed.r.max))).collect()
+}
+
+fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold {
+    let Configuration { model, gains, evaluation, deviations, .. } = configuration;
+    let observer = Observer::new(*model, *gains);
+    let (x, u) = steady_turn(configuration, v_x, a_y);
+    let n = observer.n([x[0], x[2]]);
+    let j = |w: VehicleState| {
+        let e = (0..STEADY).fold([0.0; 3], |e, _| observer.respond(&n, e, w));
+        evaluation.square([e[0], e[2]]).sqrt()
+    };
+    let Deviations { uncertainty, smallest_fault, .. } = deviations;
+    let slopes = uncertainty.slopes(&model.vehicle, x, u);
+    let uncertainties = slopes
+        .map(|slope| evaluation.uncertainty_share * j(slope.map(|x| model.sampling_period_s * x)));
+    SteadyThreshold {
+        v_x_m_per_s: v_x,
+        lateral_acceleration_m_per_s2: a_y,
+        level: evaluation.threshold,
+        uncertainties,
+        j_th: evaluation.threshold + uncertainties.iter().sum::<f64>(),
+        smallest_fault_j: j(*smallest_fault),
+    }
+}
+
+/// State and input of a steady turn to the left of the linear single-track model at speed `v_x` and
+/// lateral acceleration `a_y`: Rajamani (2012), 3.3.
+fn steady_turn(configuration: &Configuration, v_x: f64, a_y: f64) -> (VehicleState, Input) {
+    let v = &configuration.model.vehicle;
+    let r = a_y / v_x;
+    let wheelbase = v.front_axle_distance_m + v.rear_axle_distance_m;
+    let rear_force = v.mass_kg * a_y * v.front_axle_distance_m / wheelbase;
+    let rear_slip = rear_force / (2.0 * v.rear_cornering_stiffness_n_per_rad);
+    let v_y = v.rear_axle_distance_m * r - v_x * rear_slip;
+    ([v_x, v_y, r], [v.cruise_torque(v_x), steady_angle(v, v_x, a_y)])
+}

@@ -1,0 +1,156 @@
+//! Where the vehicle departs from the model (7), and what that does to the residual.
+//!
+//! # Conventions
+//! - A deviation `w` is what one sampling period adds to the state beside (7). The error answers with
+//!   `e+ = N(h) e + M w` (13), to first order in e: a response is that e, 3 x 1.
+//! - Three kinds: Euler's remainder, known and taken out of the residual; uncertainties, known by
+//!   their bounds, which raise the threshold; the smallest fault of interest, which says what the
+//!   threshold still lets through. METHOD.md 6.
+
+use crate::{Evaluation, Input, Observer, Rms, TsModel, Vehicle, VehicleState};
+
+/// Number of uncertainties.
+pub const UNCERTAINTIES: usize = 6;
+
+/// What is not known of vehicle, road and air: bounds, not negative, 0 for what is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Uncertainty {
+    /// Largest `|M_v / M_v' - 1|` of the true mass M_v'; I_e goes with the mass.
+    pub mass: f64,
+    /// Largest `|I_z / I_z' - 1|` of the true yaw inertia I_z'.
+    pub yaw_inertia: f64,
+    /// Largest `|C_f' / C_f - 1|` of the true stiffness C_f'.
+    pub front_cornering_stiffness: f64,
+    /// Largest `|C_r' / C_r - 1|` of the true stiffness C_r'.
+    pub rear_cornering_stiffness: f64,
+    /// Lateral component of gravity on the steepest bank, m/s^2.
+    pub bank_m_per_s2: f64,
+    /// Fastest gust across the road.
+    pub gust: Gust,
+}
+
+/// A gust across the road: side force `coefficient w sqrt(v_x^2 + w^2)`, `w` its speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gust {
+    /// Speed w, m/s.
+    pub speed_m_per_s: f64,
+    /// Density of air / 2 times frontal area times side-force derivative, N/(m/s)^2.
+    pub coefficient_n_s2_per_m2: f64,
+    /// Where the force acts ahead of the centre of gravity, m; of either sign.
+    pub acting_ahead_m: f64,
+}
+
+impl Gust {
+    /// Side force in N at speed `v_x` in m/s.
+    pub fn side_force(&self, v_x: f64) -> f64 {
+        let w = self.speed_m_per_s;
+        self.coefficient_n_s2_per_m2 * w * libm::sqrt(v_x * v_x + w * w)
+    }
+}
+
+impl Uncertainty {
+    /// What each uncertainty at its bound adds to `x'` (1) of `vehicle` at state `x`, in the order
+    /// of the fields.
+    pub fn slopes(
+        &self,
+        vehicle: &Vehicle,
+        x: VehicleState,
+        [t_eng, delta]: Input,
+    ) -> [VehicleState; UNCERTAINTIES] {
+        let [v_x, v_y, _] = x;
+        let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
+        let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
+        let [front, rear] = vehicle.axle_forces(x, delta);
+        let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
+        let longitudinal =
+            (t_eng - vehicle.cruise_torque(v_x)) / vehicle.effective_longitudinal_inertia_kg_m;
+        let gust = self.gust.side_force(v_x);
+        let (c_f, c_r) = (self.front_cornering_stiffness, self.rear_cornering_stiffness);
+        [
+            [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
+            [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
+            [0.0, c_f * front / m, c_f * l_f * front / i_z],
+            [0.0, c_r * rear / m, -c_r * l_r * rear / i_z],
+            [0.0, self.bank_m_per_s2, 0.0],
+            [0.0, gust / m, self.gust.acting_ahead_m * gust / i_z],
+        ]
+    }
+}
+
+/// What the detector is told of deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviations {
+    /// Whether the response to Euler's remainder is taken out of the residual.
+    pub euler_correction: bool,
+    /// What raises the threshold.
+    pub uncertainty: Uncertainty,
+    /// Deviation that the smallest fault of interest makes: its column of F, times its size.
+    pub smallest_fault: VehicleState,
+}
+
+/// Responses since the observer's start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Responses {
+    /// To Euler's remainder.
+    pub remainder: VehicleState,
+    /// To each uncertainty at its bound.
+    pub uncertainties: [VehicleState; UNCERTAINTIES],
+    /// To the smallest fault of interest.
+    pub fault: VehicleState,
+    /// Window of the sum of `||W_r C e||` over the uncertainties.
+    pub uncertainty_rms: Rms,
+    /// Window of `||W_r C e||` of the fault.
+    pub fault_rms: Rms,
+}
+
+impl Responses {
+    /// At the observer's start.
+    pub const NONE: Self = Self {
+        remainder: [0.0; 3],
+        uncertainties: [[0.0; 3]; UNCERTAINTIES],
+        fault: [0.0; 3],
+        uncertainty_rms: Rms::EMPTY,
+        fault_rms: Rms::EMPTY,
+    };
+
+    /// What the uncertainties add to J at most, and the J that the smallest fault makes alone, at this
+    /// sample.
+    ///
+    /// `||W_r C e|| <= sum_j ||W_r C e_j||` whatever the uncertainties' signs, and J is a norm.
+    pub fn levels(&mut self, evaluation: &Evaluation) -> [f64; 2] {
+        let bound = self
+            .uncertainties
+            .iter()
+            .fold(0.0, |bound, e| bound + libm::sqrt(evaluation.square([e[0], e[2]])));
+        let fault = evaluation.square([self.fault[0], self.fault[2]]);
+        [
+            self.uncertainty_rms.push(bound * bound, evaluation.window),
+            self.fault_rms.push(fault, evaluation.window),
+        ]
+    }
+
+    /// Goes on to the next sample: the vehicle is at state `x` as far as measured and estimated, and
+    /// `n` is N(h) there.
+    pub fn advance(
+        &mut self,
+        deviations: &Deviations,
+        observer: &Observer,
+        n: &[[f64; 3]; 3],
+        x: VehicleState,
+        u: Input,
+    ) {
+        let TsModel { vehicle, sampling_period_s, .. } = observer.model;
+        let scaled = |by: f64, w: VehicleState| w.map(|w| by * w);
+        if deviations.euler_correction {
+            // x(t + T_s) = x + T_s x' + T_s^2/2 x'' + ...: Euler's step has all but the last.
+            let half_square = 0.5 * sampling_period_s * sampling_period_s;
+            let w = scaled(half_square, vehicle.second_derivative(x, u));
+            self.remainder = observer.respond(n, self.remainder, w);
+        }
+        let slopes = deviations.uncertainty.slopes(&vehicle, x, u);
+        for (response, slope) in self.uncertainties.iter_mut().zip(slopes) {
+            *response = observer.respond(n, *response, scaled(sampling_period_s, slope));
+        }
+        self.fault = observer.respond(n, self.fault, deviations.smallest_fault);
+    }
+}
