@@ -13,7 +13,7 @@ use crate::{Evaluation, Input, Observer, Rms, TsModel, Vehicle, VehicleState};
 pub const UNCERTAINTIES: usize = 6;
 
 /// What is not known of vehicle, road and air: bounds, not negative, 0 for what is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
     /// Largest `|M_v / M_v' - 1|` of the true mass M_v'; I_e goes with the mass.
     pub mass: f64,
@@ -30,7 +30,7 @@ pub struct Uncertainty {
 }
 
 /// A gust across the road: side force `coefficient w sqrt(v_x^2 + w^2)`, `w` its speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gust {
     /// Speed w, m/s.
     pub speed_m_per_s: f64,
@@ -49,6 +49,16 @@ impl Gust {
 }
 
 impl Uncertainty {
+    /// Everything is known.
+    pub const NONE: Self = Self {
+        mass: 0.0,
+        yaw_inertia: 0.0,
+        front_cornering_stiffness: 0.0,
+        rear_cornering_stiffness: 0.0,
+        bank_m_per_s2: 0.0,
+        gust: Gust { speed_m_per_s: 0.0, coefficient_n_s2_per_m2: 0.0, acting_ahead_m: 0.0 },
+    };
+
     /// What each uncertainty at its bound adds to `x'` (1) of `vehicle` at state `x`, in the order
     /// of the fields.
     pub fn slopes(
@@ -86,6 +96,12 @@ pub struct Deviations {
     pub uncertainty: Uncertainty,
     /// Deviation that the smallest fault of interest makes: its column of F, times its size.
     pub smallest_fault: VehicleState,
+}
+
+impl Deviations {
+    /// Nothing is corrected, uncertain or looked for.
+    pub const NONE: Self =
+        Self { euler_correction: false, uncertainty: Uncertainty::NONE, smallest_fault: [0.0; 3] };
 }
 
 /// Responses since the observer's start.

@@ -5,7 +5,7 @@
 use proptest::prelude::*;
 use steerguard_detector::{
     Configuration, Detector, Deviations, Evaluation, Gains, Initialisation, Monitor, Output,
-    TsModel, Uncertainty,
+    TsModel,
 };
 
 const NAN: f64 = f64::NAN;
@@ -39,11 +39,7 @@ fn configuration() -> Configuration {
             start_up_decay: 0.97,
             debounce_samples: 1,
         },
-        deviations: Deviations {
-            euler_correction: false,
-            uncertainty: Uncertainty::default(),
-            smallest_fault: [0.0; 3],
-        },
+        deviations: Deviations::NONE,
     }
 }
 

@@ -57,7 +57,7 @@ impl core::error::Error for DesignError {}
 
 impl BakedDesign {
     /// Length of an encoded design, bytes.
-    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4;
+    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 1;
 
     /// The design as payload for [`steerguard_fmi2::seal`].
     ///
@@ -176,22 +176,7 @@ impl BakedDesign {
                 start_up_decay: 0.0,
                 debounce_samples: 0,
             },
-            deviations: Deviations {
-                euler_correction: false,
-                uncertainty: Uncertainty {
-                    mass: 0.0,
-                    yaw_inertia: 0.0,
-                    front_cornering_stiffness: 0.0,
-                    rear_cornering_stiffness: 0.0,
-                    bank_m_per_s2: 0.0,
-                    gust: Gust {
-                        speed_m_per_s: 0.0,
-                        coefficient_n_s2_per_m2: 0.0,
-                        acting_ahead_m: 0.0,
-                    },
-                },
-                smallest_fault: [0.0; 3],
-            },
+            deviations: Deviations::NONE,
         },
     };
 }

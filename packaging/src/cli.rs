@@ -178,15 +178,16 @@ pub struct CampaignArguments {
     /// The design's own vehicle with linear tyres on a flat road in still air
     #[arg(long, conflicts_with_all = ["parameters", "bank", "gust"])]
     pub nominal: bool,
-    /// Largest deviation of mass, yaw inertia and cornering stiffnesses, percent
-    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = between::<0, 50>)]
-    pub parameters: f64,
-    /// Largest road bank, deg
-    #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = between::<0, 30>)]
-    pub bank: f64,
-    /// Fastest gust across the road, m/s
-    #[arg(long, value_name = "M_PER_S", default_value_t = 10.0, value_parser = between::<0, 50>)]
-    pub gust: f64,
+    /// Largest deviation of mass, yaw inertia and cornering stiffnesses, percent; default: the
+    /// intervals of the design's [uncertainty]
+    #[arg(long, value_name = "PERCENT", value_parser = between::<0, 50>)]
+    pub parameters: Option<f64>,
+    /// Largest road bank, deg; default: the design's
+    #[arg(long, value_name = "DEG", value_parser = between::<0, 30>)]
+    pub bank: Option<f64>,
+    /// Fastest gust across the road, m/s; default: the design's
+    #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 50>)]
+    pub gust: Option<f64>,
     /// Standard deviation of the noise on v_x, m/s; default: the design's
     #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
     pub v_x_noise: Option<f64>,

@@ -91,7 +91,7 @@ impl DesignSummary {
             threshold: design.evaluation.threshold,
             smallest_fault_j: performance.smallest_fault_residual,
             threshold_margin: design.evaluation.margin,
-            calibration_drives: design.evaluation.calibration.drives,
+            calibration_drives: design.evaluation.calibration.as_ref().map_or(0, |x| x.drives),
         }
     }
 

@@ -32,9 +32,15 @@ const SETTINGS: Settings = Settings {
     faults: FaultMix::Mixed,
     fault_deg: [0.1, 2.0],
     uncertainty: Uncertainty {
-        parameters_percent: 10.0,
-        bank_deg: 3.0,
-        gust_m_per_s: 10.0,
+        bounds: UncertaintyTable {
+            mass_percent: [-10.0, 10.0],
+            yaw_inertia_percent: [-10.0, 10.0],
+            front_cornering_stiffness_percent: [-10.0, 10.0],
+            rear_cornering_stiffness_percent: [-10.0, 10.0],
+            bank_deg: 3.0,
+            gust_m_per_s: 10.0,
+            ..UncertaintyTable::NONE
+        },
         saturation: true,
     },
     sensors: Sensors {

@@ -13,7 +13,7 @@ use std::ptr;
 use std::sync::LazyLock;
 
 use steerguard_detector::{
-    Configuration, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
+    Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
 };
 use steerguard_fmi2::Block;
 use steerguard_fmi2::types::*;
@@ -50,6 +50,7 @@ pub fn design() -> BakedDesign {
         window: 40,
         weights: [1.0, 1.0],
         threshold: 1e-3,
+        uncertainty_share: 0.0,
         start_up_amplitude: 0.1,
         start_up_decay: 0.97,
         debounce_samples: 1,
@@ -59,7 +60,13 @@ pub fn design() -> BakedDesign {
         beta: 0.35,
         gamma: 0.003,
         gap: 9.5,
-        configuration: Configuration { model, hysteresis: [0.5, 0.25, 0.05], gains, evaluation },
+        configuration: Configuration {
+            model,
+            hysteresis: [0.5, 0.25, 0.05],
+            gains,
+            evaluation,
+            deviations: Deviations::NONE,
+        },
     }
 }
 

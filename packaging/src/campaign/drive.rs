@@ -130,16 +130,22 @@ impl Drive {
         };
         let stops = manoeuvre == Manoeuvre::StopAndGo;
 
-        let deviation = uncertainty.parameters_percent / 100.0;
+        let bounds = uncertainty.bounds;
         let vehicle = &subject.vehicle;
-        let mut perturbed =
-            |quantity, nominal: f64| nominal * (1.0 + draw.within(quantity, deviation));
-        let mass_kg = perturbed(Quantity::Mass, vehicle.mass_kg);
-        let yaw_inertia_kg_m2 = perturbed(Quantity::YawInertia, vehicle.yaw_inertia_kg_m2);
-        let front_cornering_stiffness_n_per_rad =
-            perturbed(Quantity::FrontStiffness, vehicle.front_cornering_stiffness_n_per_rad);
+        let mut perturbed = |quantity, nominal: f64, [min, max]: [f64; 2]| {
+            nominal * (1.0 + draw.uniform(quantity, min / 100.0, max / 100.0))
+        };
+        let [of_mass, of_yaw_inertia, of_front, of_rear] = bounds.intervals_percent();
+        let mass_kg = perturbed(Quantity::Mass, vehicle.mass_kg, of_mass);
+        let yaw_inertia_kg_m2 =
+            perturbed(Quantity::YawInertia, vehicle.yaw_inertia_kg_m2, of_yaw_inertia);
+        let front_cornering_stiffness_n_per_rad = perturbed(
+            Quantity::FrontStiffness,
+            vehicle.front_cornering_stiffness_n_per_rad,
+            of_front,
+        );
         let rear_cornering_stiffness_n_per_rad =
-            perturbed(Quantity::RearStiffness, vehicle.rear_cornering_stiffness_n_per_rad);
+            perturbed(Quantity::RearStiffness, vehicle.rear_cornering_stiffness_n_per_rad, of_rear);
         let saturated = uncertainty.saturation && draw.sign(Quantity::Saturation) > 0.0;
 
         let fault = match settings.faults {
@@ -167,8 +173,8 @@ impl Drive {
             manoeuvre_start_s: between(&mut draw, Quantity::ManoeuvreStart, START_S),
             pause_s: between(&mut draw, Quantity::Pause, PAUSE_S),
 
-            bank_deg: draw.within(Quantity::Bank, uncertainty.bank_deg),
-            gust_m_per_s: draw.within(Quantity::Gust, uncertainty.gust_m_per_s),
+            bank_deg: draw.within(Quantity::Bank, bounds.bank_deg),
+            gust_m_per_s: draw.within(Quantity::Gust, bounds.gust_m_per_s),
             gust_duration_s: between(&mut draw, Quantity::GustDuration, GUST_S),
             gust_start_s: between(&mut draw, Quantity::GustStart, CALM_S),
             gust_pause_s: between(&mut draw, Quantity::GustPause, CALM_S),

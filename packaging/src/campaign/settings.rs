@@ -1,9 +1,9 @@
 //! What a campaign is to do, and what it needs to know of the design.
 
 use serde::Serialize;
-use steerguard_designer::spec::Fault;
+use steerguard_designer::spec::{Fault, UncertaintyTable};
 use steerguard_designer::{Design, Spec};
-use steerguard_detector::{Interval, Vehicle};
+use steerguard_detector::{Gust, Interval, Vehicle};
 
 /// Settings of a campaign: with a design, they say everything about its drives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,23 +36,19 @@ pub enum FaultMix {
     Bias,
 }
 
-/// Bounds of what the design does not know of.
+/// Bounds of what is drawn of vehicle, road and air.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Uncertainty {
-    /// Largest relative deviation of M_v, I_z, C_f and C_r, each drawn alone, percent.
-    pub parameters_percent: f64,
-    /// Largest road bank, deg.
-    pub bank_deg: f64,
-    /// Fastest gust across the road, m/s.
-    pub gust_m_per_s: f64,
+    /// Vehicle parameters, each drawn alone, bank and gusts.
+    #[serde(flatten)]
+    pub bounds: UncertaintyTable,
     /// Whether friction limits the axle forces in half of the drives.
     pub saturation: bool,
 }
 
 impl Uncertainty {
     /// The design's own vehicle on a flat road in still air.
-    pub const NOMINAL: Self =
-        Self { parameters_percent: 0.0, bank_deg: 0.0, gust_m_per_s: 0.0, saturation: false };
+    pub const NOMINAL: Self = Self { bounds: UncertaintyTable::NONE, saturation: false };
 }
 
 /// Sensor errors: white noise, and bounds of a bias that is constant in a drive.
@@ -93,6 +89,8 @@ pub struct Subject {
     pub steering_rate_rad_per_s: f64,
     /// Smallest steering fault of interest, deg.
     pub smallest_fault_deg: f64,
+    /// How gusts act on it.
+    pub gust: Gust,
 }
 
 impl Subject {
@@ -117,6 +115,7 @@ impl Subject {
                 .fold(0.0, f64::max),
             steering_rate_rad_per_s: calibration.steering_rate_rad_per_s,
             smallest_fault_deg: smallest.unwrap_or(0.5),
+            gust: spec.uncertainty.gust(),
         }
     }
 }
@@ -132,6 +131,7 @@ pub(super) mod tests {
         lateral_acceleration_m_per_s2: 3.0,
         steering_rate_rad_per_s: 0.3,
         smallest_fault_deg: 0.5,
+        gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
     };
 
     pub const SETTINGS: Settings = Settings {
@@ -141,9 +141,15 @@ pub(super) mod tests {
         faults: FaultMix::Mixed,
         fault_deg: [0.1, 2.0],
         uncertainty: Uncertainty {
-            parameters_percent: 10.0,
-            bank_deg: 3.0,
-            gust_m_per_s: 10.0,
+            bounds: UncertaintyTable {
+                mass_percent: [-10.0, 10.0],
+                yaw_inertia_percent: [-10.0, 10.0],
+                front_cornering_stiffness_percent: [-10.0, 10.0],
+                rear_cornering_stiffness_percent: [-10.0, 10.0],
+                bank_deg: 3.0,
+                gust_m_per_s: 10.0,
+                ..UncertaintyTable::NONE
+            },
             saturation: true,
         },
         sensors: Sensors {

@@ -35,13 +35,13 @@ impl TestBench {
         let course = Course::of(drive, &self.subject);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
-        rig.initialise(drive.duration_s, &excitation(drive, &course, 0.0, drive.speed_m_per_s))?;
+        let excite = |t, v_x| excitation(drive, &self.subject, &course, t, v_x);
+        rig.initialise(drive.duration_s, &excite(0.0, drive.speed_m_per_s))?;
 
         let mut observation = Observation::default();
         for k in 0..steps {
             let time_s = f64::from(k) * step_s;
-            let excite = |[v_x, _]: [f64; 2]| excitation(drive, &course, time_s, v_x);
-            let sample = rig.step(time_s, step_s, excite)?;
+            let sample = rig.step(time_s, step_s, |[v_x, _]| excite(time_s, v_x))?;
             observation.add(&sample);
             record(&sample);
         }
@@ -80,8 +80,8 @@ impl TestBench {
 }
 
 /// What acts at time `t` at the speed `v_x` that the plant gives.
-fn excitation(drive: &Drive, course: &Course, t: f64, v_x: f64) -> Excitation {
-    let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, t, v_x);
+fn excitation(drive: &Drive, subject: &Subject, course: &Course, t: f64, v_x: f64) -> Excitation {
+    let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, subject.gust, t, v_x);
     Excitation {
         drive_torque: course.drive_torque_n_m(t, v_x),
         steering_angle: course.steering_rad(t),

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use steerguard_designer::Design;
+use steerguard_designer::spec::UncertaintyTable;
 
 use super::{input, package, print, simulate};
 use crate::campaign::folder::Folder;
@@ -70,12 +71,7 @@ fn settings(arguments: &CampaignArguments, design: &Design) -> Settings {
         uncertainty: if arguments.nominal {
             Uncertainty::NOMINAL
         } else {
-            Uncertainty {
-                parameters_percent: arguments.parameters,
-                bank_deg: arguments.bank,
-                gust_m_per_s: arguments.gust,
-                saturation: true,
-            }
+            Uncertainty { bounds: bounds(arguments, &design.spec.uncertainty), saturation: true }
         },
         sensors: Sensors {
             v_x_noise_m_per_s: arguments.v_x_noise.unwrap_or(described.v_x_noise_m_per_s),
@@ -84,6 +80,24 @@ fn settings(arguments: &CampaignArguments, design: &Design) -> Settings {
             r_bias_rad_per_s: arguments.r_bias.unwrap_or(described.r_bias_rad_per_s),
         },
     }
+}
+
+/// Those of the design, but for what the arguments set.
+fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> UncertaintyTable {
+    let mut bounds = *described;
+    if let Some(percent) = arguments.parameters {
+        for interval in [
+            &mut bounds.mass_percent,
+            &mut bounds.yaw_inertia_percent,
+            &mut bounds.front_cornering_stiffness_percent,
+            &mut bounds.rear_cornering_stiffness_percent,
+        ] {
+            *interval = [-percent, percent];
+        }
+    }
+    bounds.bank_deg = arguments.bank.unwrap_or(bounds.bank_deg);
+    bounds.gust_m_per_s = arguments.gust.unwrap_or(bounds.gust_m_per_s);
+    bounds
 }
 
 /// Packages both FMUs and loads them.

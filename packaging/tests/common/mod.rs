@@ -1,6 +1,6 @@
 //! A design that needs no solver: a stable observer without E, for tests of everything around it.
 
-use steerguard_detector::{Configuration, Evaluation, Gains, TsModel};
+use steerguard_detector::{Configuration, Deviations, Evaluation, Gains, TsModel};
 use steerguard_fmu::BakedDesign;
 
 pub fn design() -> BakedDesign {
@@ -28,10 +28,12 @@ pub fn design() -> BakedDesign {
                 window: 40,
                 weights: [1.0, 1.0],
                 threshold: 5e-3,
+                uncertainty_share: 0.0,
                 start_up_amplitude: 0.02,
                 start_up_decay: 0.97,
                 debounce_samples: 1,
             },
+            deviations: Deviations::NONE,
         },
     }
 }

@@ -1,0 +1,189 @@
+//! Deviations from the model: what is taken out of the residual, and what raises the threshold.
+
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use steerguard_detector::{
+    Configuration, Detector, Deviations, Evaluation, Gains, Gust, Input, Monitor, Output, TsModel,
+    Uncertainty, Vehicle, VehicleState, rk4,
+};
+
+const NOMINAL: Vehicle = Vehicle::PAPER;
+const T_S: f64 = TsModel::PAPER.sampling_period_s;
+const LEVEL: f64 = 1e-5;
+
+/// Dead-beat in the measured states, open loop in v_y.
+fn configuration(deviations: Deviations) -> Configuration {
+    let model = TsModel::PAPER;
+    Configuration {
+        model,
+        hysteresis: [0.5, 0.25, 0.05],
+        gains: Gains {
+            n: model
+                .vertices()
+                .map(|a| [[0.5, a[0][1], 0.0], [0.0, a[1][1], 0.0], [0.0, a[2][1], 0.5]]),
+            l: [[[0.5, 0.0], [0.0, 0.0], [0.0, 0.5]]; 4],
+            m: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            e: [[0.0; 2]; 3],
+        },
+        evaluation: Evaluation {
+            window: 40,
+            weights: [0.1, 1.0],
+            threshold: LEVEL,
+            uncertainty_share: 1.0,
+            start_up_amplitude: 0.0,
+            start_up_decay: 0.0,
+            debounce_samples: 1,
+        },
+        deviations,
+    }
+}
+
+/// A weave of 0.3 Hz at about `v_x`.
+fn weave(v_x: f64, k: u32, amplitude: f64) -> Input {
+    let t = f64::from(k) * T_S;
+    [NOMINAL.cruise_torque(v_x), amplitude * (std::f64::consts::TAU * 0.3 * t).sin()]
+}
+
+/// The outputs of a detector that watches `step` from straight ahead at `v_x` for ten seconds.
+fn watch(
+    deviations: Deviations,
+    v_x: f64,
+    amplitude: f64,
+    step: impl Fn(VehicleState, Input) -> VehicleState,
+) -> Vec<Output> {
+    let mut detector = Detector::new(&configuration(deviations)).unwrap();
+    let mut x = [v_x, 0.0, 0.0];
+    (0..1000)
+        .map(|k| {
+            let u = weave(v_x, k, amplitude);
+            let output = *detector.sample([x[0], x[2]], u);
+            x = step(x, u);
+            output
+        })
+        .collect()
+}
+
+/// Continuous time: ten Runge-Kutta steps a sample.
+fn continuous(vehicle: &Vehicle, x: VehicleState, u: Input) -> VehicleState {
+    (0..10).fold(x, |x, _| rk4(|x| vehicle.derivative(x, u), x, T_S / 10.0))
+}
+
+/// Euler's step with a further slope: what the model (7) is for another vehicle.
+fn euler(vehicle: &Vehicle, x: VehicleState, u: Input, further: VehicleState) -> VehicleState {
+    let slope = vehicle.derivative(x, u);
+    [0, 1, 2].map(|i| x[i] + T_S * (slope[i] + further[i]))
+}
+
+fn largest_j(outputs: &[Output]) -> f64 {
+    outputs.iter().map(|output| output.j_rms).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_correction_takes_out_most_of_eulers_remainder() {
+    let corrected = Deviations { euler_correction: true, ..Deviations::NONE };
+    for (v_x, amplitude, at_most) in [(6.0, 0.1, 0.15), (15.0, 0.04, 0.05), (29.0, 0.02, 0.05)] {
+        let step = |x, u| continuous(&NOMINAL, x, u);
+        let plain = largest_j(&watch(Deviations::NONE, v_x, amplitude, step));
+        let left = largest_j(&watch(corrected, v_x, amplitude, step));
+        assert!(left < at_most * plain, "{left} of {plain} at {v_x} m/s");
+    }
+}
+
+#[test]
+fn what_is_known_raises_no_threshold() {
+    let outputs = watch(Deviations::NONE, 15.0, 0.04, |x, u| euler(&NOMINAL, x, u, [0.0; 3]));
+    assert!(outputs.iter().all(|output| output.j_th == LEVEL && output.detectability == 0.0));
+}
+
+#[test]
+fn the_threshold_rises_with_the_manoeuvre_and_sinks_after_it() {
+    let uncertainty = Uncertainty { front_cornering_stiffness: 0.1, ..Uncertainty::NONE };
+    let deviations = Deviations { uncertainty, ..Deviations::NONE };
+    let mut detector = Detector::new(&configuration(deviations)).unwrap();
+    let mut x = [15.0, 0.0, 0.0];
+    let mut j_th = Vec::new();
+    for k in 0..3000 {
+        let [t_eng, delta] = weave(15.0, k, 0.04);
+        let u = [t_eng, if k < 1000 { delta } else { 0.0 }];
+        j_th.push(detector.sample([x[0], x[2]], u).j_th);
+        x = euler(&NOMINAL, x, u, [0.0; 3]);
+    }
+    assert_eq!(j_th[0], LEVEL);
+    assert!(j_th[500] > 10.0 * LEVEL);
+    assert!(j_th[2999] < 1.01 * LEVEL, "{}", j_th[2999]);
+}
+
+#[test]
+fn detectability_is_the_j_of_the_smallest_fault_over_the_threshold() {
+    let fault_rad = 0.5_f64.to_radians();
+    let deviations = Deviations {
+        smallest_fault: TsModel::PAPER.b().map(|row| row[1] * fault_rad),
+        ..Deviations::NONE
+    };
+    let faulty =
+        |x, [t_eng, delta]: Input| euler(&NOMINAL, x, [t_eng, delta + fault_rad], [0.0; 3]);
+    let outputs = watch(deviations, 15.0, 0.0, faulty);
+    let Output { j_rms, j_th, detectability, .. } = outputs[300];
+    assert!(detectability > 1.0, "excited");
+    // First order in the error: the turn that the fault makes changes the premise.
+    assert!((detectability * j_th / j_rms - 1.0).abs() < 0.02, "{detectability} {j_rms} {j_th}");
+    assert_eq!(outputs[0].detectability, 0.0);
+}
+
+proptest! {
+    #[test]
+    fn second_derivative_is_the_slope_of_the_derivative(
+        v_x in 5.0..30.0, v_y in -1.5..1.5, r in -0.55..0.55,
+        t_eng in -2000.0..2000.0, delta in -0.3..0.3,
+    ) {
+        let (x, u) = ([v_x, v_y, r], [t_eng, delta]);
+        let h = 1e-5;
+        let at = |h| NOMINAL.derivative(rk4(|x| NOMINAL.derivative(x, u), x, h), u);
+        let (before, after) = (at(-h), at(h));
+        for (i, value) in NOMINAL.second_derivative(x, u).into_iter().enumerate() {
+            let difference = (after[i] - before[i]) / (2.0 * h);
+            prop_assert!((value - difference).abs() < 1e-6 * (1.0 + value.abs()), "{i}: {value}");
+        }
+    }
+
+    /// The bound holds to first order in the uncertainties; a tenth is what the second order takes here.
+    #[test]
+    fn no_vehicle_within_the_bounds_exceeds_the_threshold(
+        v_x in 6.0..29.0, a_y in 0.5..3.0,
+        mass in -1.0..=1.0, yaw_inertia in -1.0..=1.0, front in -1.0..=1.0, rear in -1.0..=1.0,
+        bank in -1.0..=1.0, gust in -1.0..=1.0,
+    ) {
+        let uncertainty = Uncertainty {
+            mass: 0.05,
+            yaw_inertia: 0.05,
+            front_cornering_stiffness: 0.05,
+            rear_cornering_stiffness: 0.05,
+            bank_m_per_s2: 0.3,
+            gust: Gust { speed_m_per_s: 5.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
+        };
+        let vehicle = Vehicle {
+            mass_kg: NOMINAL.mass_kg / (1.0 + 0.05 * mass),
+            effective_longitudinal_inertia_kg_m:
+                NOMINAL.effective_longitudinal_inertia_kg_m / (1.0 + 0.05 * mass),
+            yaw_inertia_kg_m2: NOMINAL.yaw_inertia_kg_m2 / (1.0 + 0.05 * yaw_inertia),
+            front_cornering_stiffness_n_per_rad:
+                NOMINAL.front_cornering_stiffness_n_per_rad * (1.0 + 0.05 * front),
+            rear_cornering_stiffness_n_per_rad:
+                NOMINAL.rear_cornering_stiffness_n_per_rad * (1.0 + 0.05 * rear),
+            ..NOMINAL
+        };
+        let amplitude = a_y * (2.62 / (v_x * v_x) + 0.0017);
+        let step = |x: VehicleState, u| {
+            let force = gust * uncertainty.gust.side_force(x[0]);
+            let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
+            let push = [0.0, 0.3 * bank + force / m, 0.25 * force / i_z];
+            euler(&vehicle, x, u, push)
+        };
+        let deviations = Deviations { uncertainty, ..Deviations::NONE };
+        for output in watch(deviations, v_x, amplitude, step) {
+            prop_assume!(output.monitor == Monitor::Monitoring);
+            prop_assert!(output.j_rms <= 1.1 * output.j_th, "{output:?}");
+        }
+    }
+}
