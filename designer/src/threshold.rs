@@ -94,27 +94,24 @@ pub struct SteadyThreshold {
     pub level: f64,
     /// Each uncertainty, in the order of [`UNCERTAINTIES`].
     pub uncertainties: [f64; steerguard_detector::UNCERTAINTIES],
-    /// Their sum: J_th.
+    /// The sum: J_th.
     pub j_th: f64,
     /// The J that the smallest fault of interest makes alone.
     pub smallest_fault_j: f64,
 }
 
+/// Lateral acceleration of the turns in [`by_cause`], m/s^2.
+const TURN_M_PER_S2: f64 = 3.0;
 /// Samples until a response counts as steady: the error decays by 0.97 a sample or faster.
 const STEADY: u32 = 2000;
 
-/// The threshold of a detector with `configuration` straight ahead and in a turn of
-/// `lateral_acceleration_m_per_s2`, at the lowest, middle and highest armed speed.
-pub fn by_cause(
-    configuration: &Configuration,
-    lateral_acceleration_m_per_s2: f64,
-) -> Vec<SteadyThreshold> {
+/// The threshold of a detector with `configuration` straight ahead and in a turn of 3 m/s^2, or as
+/// much as the range of r allows, at the lowest, middle and highest armed speed.
+pub fn by_cause(configuration: &Configuration) -> Vec<SteadyThreshold> {
     let armed = configuration.model.range.shrunk(configuration.hysteresis);
     let middle = 0.5 * (armed.v_x.min + armed.v_x.max);
     let speeds = [armed.v_x.min, middle, armed.v_x.max];
-    let points =
-        speeds.iter().flat_map(|&v_x| [0.0, lateral_acceleration_m_per_s2].map(|a| (v_x, a)));
-    // As slow a turn as the range of r needs.
+    let points = speeds.into_iter().flat_map(|v_x| [0.0, TURN_M_PER_S2].map(|a_y| (v_x, a_y)));
     points.map(|(v_x, a_y)| steady(configuration, v_x, a_y.min(v_x * armed.r.max))).collect()
 }
 

@@ -1,8 +1,9 @@
 //! The figures of a design that people ask for first.
 
 use serde::Serialize;
-use steerguard_designer::spec::MethodName;
-use steerguard_designer::{CertifiedFigures, Design, DesignStatus};
+use steerguard_designer::spec::{MethodName, ThresholdKind};
+use steerguard_designer::threshold::{SteadyThreshold, UNCERTAINTIES, by_cause};
+use steerguard_designer::{CertifiedFigures, Design, DesignStatus, EvaluationDesign};
 use steerguard_fmu::BakedDesign;
 
 use crate::table::aligned;
@@ -40,10 +41,12 @@ pub struct DesignSummary {
     pub threshold: f64,
     /// What J tends to under the smallest fault of interest, at least.
     pub smallest_fault_j: f64,
-    /// Margin on the largest fault-free J, and the number of drives that gave it.
-    pub threshold_margin: f64,
-    /// Fault-free drives behind the threshold.
-    pub calibration_drives: usize,
+    /// How the threshold was found.
+    pub threshold_kind: ThresholdKind,
+    /// The same in words.
+    pub threshold_reason: String,
+    /// J_th in steady driving, cause by cause.
+    pub threshold_by_cause: Vec<SteadyThreshold>,
 }
 
 /// Figures of the synthesis.
@@ -90,8 +93,9 @@ impl DesignSummary {
             speeds_m_per_s: design.premise.v_x_m_per_s,
             threshold: design.evaluation.threshold,
             smallest_fault_j: performance.smallest_fault_residual,
-            threshold_margin: design.evaluation.margin,
-            calibration_drives: design.evaluation.calibration.as_ref().map_or(0, |x| x.drives),
+            threshold_kind: design.evaluation.kind,
+            threshold_reason: reason(&design.evaluation),
+            threshold_by_cause: by_cause(&design.configuration()),
         }
     }
 
@@ -147,13 +151,44 @@ impl DesignSummary {
         rows.push(row(
             "threshold J_th",
             format!("{:.6}", self.threshold),
-            format!(
-                "{} x the largest J of {} fault-free drives",
-                self.threshold_margin, self.calibration_drives
-            ),
+            self.threshold_reason.clone(),
         ));
-        aligned(&rows, "  ")
+        let by_cause = aligned(&cause_rows(&self.threshold_by_cause), "    ");
+        format!("{}  J_th in steady driving by cause, x 1e-3\n{by_cause}", aligned(&rows, "  "))
     }
+}
+
+/// Where the threshold comes from.
+fn reason(evaluation: &EvaluationDesign) -> String {
+    let EvaluationDesign { margin, calibration, uncertain, uncertainty_share, .. } = evaluation;
+    match (calibration, uncertain) {
+        (Some(level), Some(ratio)) => format!(
+            "and {uncertainty_share:.3} x what is uncertain can do: {margin} x the largest J / J_th, \
+             {:.3}, of {} fault-free drives",
+            ratio.level,
+            level.drives + ratio.drives
+        ),
+        (Some(level), None) => {
+            format!("{margin} x the largest J of {} fault-free drives", level.drives)
+        }
+        _ => "as specified".into(),
+    }
+}
+
+/// A head, then a row a point: speed, lateral acceleration, each cause, J_th and the J of the smallest
+/// fault, J in thousandths.
+pub fn cause_rows(points: &[SteadyThreshold]) -> Vec<Vec<String>> {
+    let head = ["v_x m/s", "a_y m/s^2", "noise, disturbances"].into_iter();
+    let head = head.chain(UNCERTAINTIES).chain(["J_th", "smallest fault"]).map(String::from);
+    let rows = points.iter().map(|point| {
+        let speed = [point.v_x_m_per_s, point.lateral_acceleration_m_per_s2];
+        let levels = std::iter::once(point.level)
+            .chain(point.uncertainties)
+            .chain([point.j_th, point.smallest_fault_j]);
+        let cells = speed.map(|x| format!("{x:.1}")).into_iter();
+        cells.chain(levels.map(|j| format!("{:.2}", 1e3 * j))).collect()
+    });
+    std::iter::once(head.collect()).chain(rows).collect()
 }
 
 /// A status in words.

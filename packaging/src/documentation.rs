@@ -3,17 +3,21 @@
 
 use std::fmt::Write as _;
 
-use steerguard_detector::Interval;
+use steerguard_designer::threshold::by_cause;
+use steerguard_detector::{Configuration, Interval};
 use steerguard_fmu::BakedDesign;
 use steerguard_model_description::{
     Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
 };
 
+use crate::design_summary::cause_rows;
+
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\
 border-bottom:1px solid #ddd;vertical-align:top}code{background:#f3f3f3;padding:0 .2em;\
 overflow-wrap:anywhere}\
-td code{white-space:nowrap}td:nth-child(3){overflow-wrap:anywhere;min-width:10em}";
+td code{white-space:nowrap}td:nth-child(3){overflow-wrap:anywhere;min-width:10em}\
+.figures td,.figures th{text-align:right;min-width:0;vertical-align:bottom;padding:.25em .5em}";
 
 /// First line of the tables of variables.
 const HEAD: &str = "<tr><th>Name<th>Unit or type<th>Value<th>Range or items<th>Meaning\n";
@@ -31,6 +35,8 @@ than commanded raises the alarm.</p>
 road wheel</em>, after the steering ratio. Both as they act from the communication point on.</li>
 <li><code>alarm</code> is <code>J_rms &ge; J_th</code>; <code>alarm_latched</code> and
 <code>first_alarm_time</code> remember it.</li>
+<li><code>excited</code> says whether the smallest fault of interest could be seen at all:
+whether the J that it would make alone reaches <code>J_th</code>. Alarms are given in any case.</li>
 <li><code>state</code> says which condition holds: Starting, Monitoring, OutOfRange (outside the range
 of the design, the alarm is withheld), InvalidInput (an input is no number, the last results are
 held).</li>
@@ -158,11 +164,34 @@ fn summary(design: &BakedDesign) -> String {
         ("range of r", interval(model.range.r, "rad/s")),
         ("certified fault sensitivity beta", format!("{:.6}", design.beta)),
         ("certified disturbance gain gamma", format!("{:.6}", design.gamma)),
-        ("threshold J_th after the start-up", format!("{:.6}", evaluation.threshold)),
+        (
+            "J_th after the start-up, where nothing is uncertain",
+            format!("{:.6}", evaluation.threshold),
+        ),
+        (
+            "share of the uncertainties' bound in J_th",
+            format!("{:.3}", evaluation.uncertainty_share),
+        ),
         ("window of J_rms", format!("{} samples", evaluation.window)),
         ("weights of v_x and r in J_rms", format!("{:?}", evaluation.weights)),
     ] {
         let _infallible = writeln!(text, "<tr><th>{name}<td>{}", escaped(&value));
+    }
+    text + "</table>\n" + &threshold(configuration)
+}
+
+/// The threshold in steady driving, cause by cause.
+fn threshold(configuration: &Configuration) -> String {
+    let mut text = String::from(
+        "<h2>Threshold</h2>\n<p>J_th after the start-up in steady driving, cause by cause, and the J that \
+         the smallest fault of interest makes alone, in thousandths. In manoeuvres J_th follows the \
+         signals; <code>detectability</code> is that J over J_th at every sample.</p>\n\
+         <table class=\"figures\">\n",
+    );
+    for (row, cells) in cause_rows(&by_cause(configuration)).iter().enumerate() {
+        let tag = if row == 0 { "th" } else { "td" };
+        let cells: String = cells.iter().map(|x| format!("<{tag}>{}", escaped(x))).collect();
+        let _infallible = writeln!(text, "<tr>{cells}");
     }
     text + "</table>\n"
 }

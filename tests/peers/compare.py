@@ -26,7 +26,10 @@ from drives import Bench, read_design
 from judgement import Outcomes, peaks, threshold
 from kalman import Tuning, Vehicle, cusum, innovations, windowed_mean
 
-CONDITIONS = {"nominal": ["--nominal"], "perturbed": []}
+CONDITIONS = {
+    "nominal": ["--nominal"],
+    "perturbed": ["--parameters", 10, "--bank", 3, "--gust", 10],
+}
 ACCELERATIONS = (0.03, 0.3, 3.0)  # m/s^2
 YAW_ACCELERATIONS = (0.03, 0.3, 3.0)  # rad/s^2
 WINDOWS = (10, 40, 100)  # samples

@@ -36,6 +36,7 @@ class Outputs:
     v_y_hat: np.ndarray
     j_rms: np.ndarray
     j_th: np.ndarray
+    detectability: np.ndarray
     alarm: np.ndarray
     alarm_latched: np.ndarray
     state: np.ndarray
@@ -55,6 +56,8 @@ class Outputs:
             "J_rms": self.j_rms,
             "J_th": self.j_th,
             "J_ratio": self.j_rms / self.j_th,
+            "detectability": self.detectability,
+            "excited": self.detectability >= 1,
             "alarm": self.alarm,
             "alarm_latched": self.alarm_latched,
             "first_alarm_time": np.where(self.alarm_latched, first_time, NO_ALARM_TIME),
@@ -67,6 +70,39 @@ def windowed_rms(norms, window):
     squares = np.concatenate([np.zeros(window - 1), np.square(norms)])
     windows = np.lib.stride_tricks.sliding_window_view(squares, window)
     return np.sqrt(windows.mean(axis=1))
+
+
+@dataclass
+class Uncertainty:
+    """Bounds of `spec.uncertainty`: relative deviations, bank in m/s^2, gusts (METHOD.md 6)."""
+
+    mass: float
+    yaw_inertia: float
+    front: float
+    rear: float
+    bank: float
+    gust_speed: float
+    gust_coefficient: float
+    gust_ahead: float
+
+    @classmethod
+    def of(cls, spec):
+        def inertia(key):  # 1 / (1 + p) - 1
+            return max(abs(100 / (100 + percent) - 1) for percent in spec[f"{key}_percent"])
+
+        def stiffness(key):
+            return max(abs(percent) for percent in spec[f"{key}_cornering_stiffness_percent"]) / 100
+
+        return cls(
+            inertia("mass"),
+            inertia("yaw_inertia"),
+            stiffness("front"),
+            stiffness("rear"),
+            9.80665 * np.sin(np.radians(spec["bank_deg"])),
+            spec["gust_m_per_s"],
+            0.5 * 1.2 * spec["frontal_area_m2"] * spec["side_force_per_rad"],
+            spec["gust_acting_ahead_m"],
+        )
 
 
 class Reference:
@@ -82,6 +118,7 @@ class Reference:
         self.c_f = vehicle["front_cornering_stiffness_n_per_rad"]
         self.c_r = vehicle["rear_cornering_stiffness_n_per_rad"]
         self.c_x = vehicle["longitudinal_drag_n_m_s2_per_m2"]
+        self.c_y = vehicle["lateral_drag_n_s2_per_m2"]
         self.period = design["sampling_period_s"]
 
         premise = design["premise"]
@@ -105,6 +142,15 @@ class Reference:
         self.start_up_amplitude = evaluation["start_up"]["amplitude"]
         self.start_up_decay = evaluation["start_up"]["decay"]
         self.debounce = evaluation["debounce_samples"]
+        self.uncertainty_share = evaluation["uncertainty_share"]
+
+        spec = design["spec"]
+        self.euler_correction = spec["sampling"]["euler_correction"]
+        self.uncertainty = Uncertainty.of(spec["uncertainty"])
+        fault = spec["fault"][0]
+        torque = fault["channel"] == "torque"
+        smallest = fault["smallest_n_m"] if torque else np.radians(fault["smallest_deg"])
+        self.smallest_fault = self.B[:, 0 if torque else 1] * smallest
 
     def _corners(self):
         """Which corner of the premise box each rule is: rules x 2 booleans (v_x max, r max).
@@ -149,19 +195,64 @@ class Reference:
         z_next = blended + self.M @ (self.consequent(y) + self.B @ u + self.G * x_hat[1] ** 2)
         return x_hat, z_next
 
+    def slope(self, x, u):
+        """x' of (1)-(2), and the axle forces, N."""
+        v_x, v_y, r = x
+        front = 2 * self.c_f * (u[1] - (v_y + self.l_f * r) / v_x)
+        rear = 2 * self.c_r * (self.l_r * r - v_y) / v_x
+        slope = [
+            (u[0] - self.c_x * v_x**2) / self.longitudinal_inertia + v_y * r,
+            (front + rear - self.c_y * v_y**2) / self.mass - v_x * r,
+            (self.l_f * front - self.l_r * rear) / self.yaw_inertia,
+        ]
+        return np.array(slope), front, rear
+
+    def jacobian(self, x, u):
+        """Of the slope by x; the axle forces depend on v_x by their slip angles."""
+        v_x, v_y, r = x
+        c_f, c_r, l_f, l_r = 2 * self.c_f / v_x, 2 * self.c_r / v_x, self.l_f, self.l_r
+        front = c_f * np.array([(v_y + l_f * r) / v_x, -1, -l_f])
+        rear = c_r * np.array([(v_y - l_r * r) / v_x, -1, l_r])
+        drags = np.array([2 * self.c_x * v_x / self.longitudinal_inertia, 2 * self.c_y * v_y])
+        return np.array(
+            [
+                [-drags[0], r, v_y],
+                (front + rear - [0, drags[1], 0]) / self.mass - [r, 0, v_x],
+                (l_f * front - l_r * rear) / self.yaw_inertia,
+            ]
+        )
+
+    def deviations(self, x, u):
+        """w of Euler's remainder, of each uncertainty, and of the smallest fault: 8 x 3."""
+        slope, front, rear = self.slope(x, u)
+        remainder = self.euler_correction * self.period**2 / 2 * self.jacobian(x, u) @ slope
+        q, m, i_z = self.uncertainty, self.mass, self.yaw_inertia
+        wind = q.gust_coefficient * q.gust_speed * np.hypot(x[0], q.gust_speed)
+        along = np.array([slope[0] - x[1] * x[2], slope[1] + x[0] * x[2], 0])  # forces over masses
+        uncertain = [
+            q.mass * along,
+            [0, 0, q.yaw_inertia * slope[2]],
+            q.front * front * np.array([0, 1 / m, self.l_f / i_z]),
+            q.rear * rear * np.array([0, 1 / m, -self.l_r / i_z]),
+            [0, q.bank, 0],
+            wind * np.array([0, 1 / m, q.gust_ahead / i_z]),
+        ]
+        return np.vstack([remainder, self.period * np.array(uncertain), self.smallest_fault])
+
     def run(self, y, u, *, threshold_factor=1.0, debounce=None, z_0=None):
         """The results of samples `y` (n x 2), `u` (n x 2); `z_0` starts the first sample."""
         y, u = np.asarray(y, dtype=float), np.asarray(u, dtype=float)
-        valid, episode, armed, x_hat = self._observe(y, u, z_0)
+        valid, episode, armed, x_hat, responses = self._observe(y, u, z_0)
         return self._decide(
-            y, valid, episode, armed, x_hat, threshold_factor, debounce or self.debounce
+            y, valid, episode, armed, x_hat, responses, threshold_factor, debounce or self.debounce
         )
 
     def _observe(self, y, u, z_0):
         """Runs the observer.
 
         Returns for each sample: whether it is valid; the sample at which its observer started, or
-        -1 where none runs; whether alarms are given; and x^.
+        -1 where none runs; whether alarms are given; x^; and the error's responses (13) to the
+        deviations since the start, n x 8 x 3.
         """
         n = len(y)
         with np.errstate(invalid="ignore"):
@@ -173,7 +264,7 @@ class Reference:
 
         episode = np.full(n, -1)
         armed = np.zeros(n, dtype=bool)
-        x_hat = np.zeros((n, 3))
+        x_hat, responses = np.zeros((n, 3)), np.zeros((n, 8, 3))
         z, start, is_armed, last_v_y = None, -1, False, 0.0
         for k in range(n):
             if not valid[k] or not inside[k]:
@@ -184,25 +275,34 @@ class Reference:
                 given = k == 0 and z_0 is not None
                 z = np.array(z_0) if given else self.M @ [y[k, 0], 0.0, y[k, 1]]
                 start, is_armed = k, True
+                response = np.zeros((8, 3))
             if z is not None:
                 x_hat[k], z = self.observer_step(z, y[k], u[k])
+                responses[k] = response
+                n_of_h = np.tensordot(self.membership(y[k]), self.N, axes=1)
+                w = self.deviations([y[k, 0], x_hat[k, 1], y[k, 1]], u[k])
+                response = response @ n_of_h.T + w @ self.M.T
                 last_v_y = x_hat[k, 1]
                 is_armed = is_armed and bool(v_y[0] <= last_v_y <= v_y[1])
                 episode[k], armed[k] = start, is_armed
-        return valid, episode, armed, x_hat
+        return valid, episode, armed, x_hat, responses
 
-    def _decide(self, y, valid, episode, armed, x_hat, factor, debounce):
+    def _decide(self, y, valid, episode, armed, x_hat, responses, factor, debounce):
         n = len(y)
         running = episode >= 0
-        residual = np.where(running[:, None], y - x_hat @ self.C.T, 0.0)
+        answers = responses @ self.C.T  # n x 8 x 2
+        residual = np.where(running[:, None], y - x_hat @ self.C.T - answers[:, 0], 0.0)
         norms = np.linalg.norm(residual * self.weights, axis=1)
-        j_rms, term = np.zeros(n), np.zeros(n)
+        sizes = np.linalg.norm(answers * self.weights, axis=2)
+        j_rms, term, uncertain, fault = (np.zeros(n) for _ in range(4))
         for start in np.unique(episode[running]):
             samples = np.flatnonzero(episode == start)  # without a gap
             j_rms[samples] = windowed_rms(norms[samples], self.window)
             decay = self.start_up_decay ** np.arange(len(samples))
             term[samples] = self.start_up_amplitude * windowed_rms(decay, self.window)
-        j_th = factor * (self.threshold + term)
+            uncertain[samples] = windowed_rms(sizes[samples, 1:7].sum(axis=1), self.window)
+            fault[samples] = windowed_rms(sizes[samples, 7], self.window)
+        j_th = factor * (self.threshold + term + self.uncertainty_share * uncertain)
 
         exceeds = armed & (j_rms >= j_th)
         # Consecutive exceedances within an episode: sample number less that of the last without.
@@ -225,6 +325,7 @@ class Reference:
             v_y_hat=shown(np.where(running, x_hat[:, 1], 0.0), 0.0),
             j_rms=shown(j_rms, 0.0),
             j_th=shown(j_th, factor * self.threshold),
+            detectability=shown(fault / j_th, 0.0),
             alarm=shown(alarm, False),
             alarm_latched=np.maximum.accumulate(shown(alarm, False)),
             state=np.where(valid, state, INVALID_INPUT),
