@@ -7,7 +7,8 @@
 //! is largest at the lowest speed.
 //!
 //! # Conventions
-//! Inputs are held from sample to sample, the disturbances for an integration step; the sensors' noise
+//! Inputs are held from sample to sample; of a specification with an actuator the steering is its
+//! command. The actuator's angle and the disturbances are held for an integration step; the sensors' noise
 //! is that of the specification, white noise by a generator seeded with the drive's number. The drive torque
 //! is that of a speed control: cruise torque and I_e times the speed error a second.
 
@@ -18,7 +19,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use steerguard_detector::{
-    Configuration, ConfigurationError, Detector, Monitor, Vehicle, VehicleState, rk4,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Monitor, Vehicle,
+    VehicleState, rk4,
 };
 
 use crate::spec::{Calibration, Manoeuvre, Noise, Spec};
@@ -204,6 +206,7 @@ fn run(spec: &Spec, mut detector: Detector, drive: &Drive, index: usize) -> Outc
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
     let steady_threshold = detector.state.output.j_th;
     let mut noise = SensorNoise::new(&spec.noise, index);
+    let mut wheel = Wheel::new(&spec.actuator.actuator(), t_s, step);
 
     let mut x = [drive.v_x_m_per_s, drive.v_y_m_per_s, 0.0];
     let mut outcome = Outcome { level: None, monitored: 0, samples };
@@ -211,23 +214,52 @@ fn run(spec: &Spec, mut detector: Detector, drive: &Drive, index: usize) -> Outc
         let t = k as f64 * t_s;
         let t_eng = vehicle.cruise_torque(drive.v_x_m_per_s)
             + vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
-        let delta = steering(spec, drive, t);
+        let command = |k: u64| steering(spec, drive, k as f64 * t_s);
 
         let wave = drive.disturbance.at(t);
         let measured = [x[0] + noise.next(0, wave), x[2] + noise.next(1, wave)];
-        let output = detector.sample(measured, [t_eng, delta]);
+        let output = detector.sample(measured, [t_eng, command(k)]);
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
             let start_up_term = output.j_th - steady_threshold;
             let level = output.j_rms - start_up_term;
             outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
         }
+        let delayed = command(k.saturating_sub(wheel.whole_samples));
         for inner in 0..steps as u32 {
+            let delta = wheel.angle(delayed);
             let push = disturbance(spec, drive, t + f64::from(inner) * step);
             x = rk4(|x| plus(vehicle.derivative(x, [t_eng, delta]), push), x, step);
         }
     }
     outcome
+}
+
+/// The vehicle's actuator, an integration step at a time.
+struct Wheel {
+    /// Dead time in whole samples: the rest is left to the actuator.
+    whole_samples: u64,
+    actuator: Actuator,
+    step_s: f64,
+    state: ActuatorState,
+}
+
+impl Wheel {
+    fn new(actuator: &Actuator, sampling_period_s: f64, step_s: f64) -> Self {
+        let whole_samples = actuator.delay_samples(sampling_period_s);
+        let rest_s = actuator.delay_s - whole_samples as f64 * sampling_period_s;
+        Self {
+            whole_samples: whole_samples as u64,
+            actuator: Actuator { delay_s: rest_s.max(0.0), ..*actuator },
+            step_s,
+            state: ActuatorState::START,
+        }
+    }
+
+    /// The average angle over the next step, under a command whole samples old.
+    fn angle(&mut self, command: f64) -> f64 {
+        self.state.sample(&self.actuator, self.step_s, command)
+    }
 }
 
 /// Sensor noise of one drive: white, and what is bounded at its bound along the disturbances' wave.

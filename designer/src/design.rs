@@ -388,6 +388,7 @@ fn evaluate(
             start_up_decay: bound.decay,
             ..without_threshold
         },
+        actuator: spec.actuator.actuator(),
     };
     let drives = drives(spec);
     let of = drives.len();

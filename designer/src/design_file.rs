@@ -420,6 +420,7 @@ impl Design {
                 start_up_decay: e.start_up.decay,
                 debounce_samples: e.debounce_samples,
             },
+            actuator: self.spec.actuator.actuator(),
         }
     }
 }

@@ -19,7 +19,7 @@ use steerguard_designer::spec::Fault;
 use steerguard_designer::theorem4::matrix;
 use steerguard_designer::{Design, DesignError, Spec, SpecError};
 use steerguard_detector::{
-    Configuration, Detector, Evaluation, Input, Monitor, RULES, TsModel, VehicleState,
+    Actuator, Configuration, Detector, Evaluation, Input, Monitor, RULES, TsModel, VehicleState,
 };
 
 mod common;
@@ -151,6 +151,7 @@ fn detector() -> Detector {
             start_up_decay: 0.0,
             debounce_samples: 1,
         },
+        actuator: Actuator::NONE,
     })
     .unwrap()
 }

@@ -1,6 +1,6 @@
 //! Everything the detector is told: plain numbers, checked once before it runs.
 
-use crate::{Evaluation, Gains, Interval, MAX_WINDOW, TsModel};
+use crate::{Actuator, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, TsModel};
 
 /// A detector's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Configuration {
     pub gains: Gains,
     /// Residual evaluation.
     pub evaluation: Evaluation,
+    /// Between the commanded angle and the road wheel.
+    pub actuator: Actuator,
 }
 
 /// Why a configuration cannot run: the first field that is not finite or out of its range.
@@ -41,6 +43,8 @@ impl Configuration {
         let range = &self.model.range;
         let e = &self.evaluation;
         let g = &self.gains;
+        let a = &self.actuator;
+        let delay_samples = a.delay_s / self.model.sampling_period_s;
         let armed = range.shrunk(self.hysteresis);
         let proper = |i: Interval| i.min < i.max && i.min.is_finite() && i.max.is_finite();
         let positive = |x: f64| x > 0.0 && x.is_finite();
@@ -75,6 +79,9 @@ impl Configuration {
             ("start-up amplitude", not_negative(e.start_up_amplitude)),
             ("start-up decay", not_negative(e.start_up_decay) && e.start_up_decay < 1.0),
             ("debounce", e.debounce_samples >= 1),
+            ("actuator lag", not_negative(a.lag_s)),
+            ("actuator delay", (0.0..(MAX_DELAY_SAMPLES + 1) as f64).contains(&delay_samples)),
+            ("actuator rate limit", a.rate_limit_rad_per_s.is_none_or(positive)),
         ] {
             if !holds {
                 return Err(ConfigurationError { field });

@@ -1,8 +1,8 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
 use crate::{
-    Configuration, ConfigurationError, Evaluation, Input, Measurement, Observer, OperatingRange,
-    Rms, StartUp, VehicleState,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Evaluation, Input, Measurement,
+    Observer, OperatingRange, Rms, StartUp, VehicleState,
 };
 
 /// Inputs and measurements of this magnitude and more count as invalid, in SI units, and an estimate
@@ -73,6 +73,8 @@ pub struct State {
     pub rms: Rms,
     /// Threshold's start-up term.
     pub start_up: StartUp,
+    /// The actuator, which moves at every sample, seen or not.
+    pub actuator: ActuatorState,
     /// Consecutive samples with `J >= J_th`.
     pub exceedances: u32,
     /// Results of the last sample.
@@ -85,6 +87,7 @@ pub struct Detector {
     observer: Observer,
     armed_range: OperatingRange,
     evaluation: Evaluation,
+    actuator: Actuator,
     /// Factor on J_th, positive; 1 is the design's threshold.
     pub threshold_factor: f64,
     /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
@@ -102,11 +105,12 @@ impl Detector {
     /// [`ConfigurationError`] where a number is not finite or out of its range.
     pub fn new(configuration: &Configuration) -> Result<Self, ConfigurationError> {
         configuration.check()?;
-        let Configuration { model, hysteresis, gains, evaluation } = *configuration;
+        let Configuration { model, hysteresis, gains, evaluation, actuator } = *configuration;
         Ok(Self {
             observer: Observer::new(model, gains),
             armed_range: model.range.shrunk(hysteresis),
             evaluation,
+            actuator,
             threshold_factor: 1.0,
             debounce_samples: evaluation.debounce_samples,
             initialisation: Initialisation::FirstMeasurement,
@@ -117,6 +121,7 @@ impl Detector {
                 armed: false,
                 rms: Rms::EMPTY,
                 start_up: StartUp::RESTARTED,
+                actuator: ActuatorState::START,
                 exceedances: 0,
                 output: Output { j_th: evaluation.threshold, ..Output::default() },
             },
@@ -125,10 +130,11 @@ impl Detector {
 
     /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
+        let delta = self.steer(u[1]);
         if plausible(&y) && plausible(&u) {
             self.track(y);
             if self.state.tracking {
-                self.observe(y, u);
+                self.observe(y, [u[0], delta]);
             }
             self.decide();
         } else {
@@ -139,6 +145,19 @@ impl Detector {
         }
         self.state.sample += 1;
         &self.state.output
+    }
+
+    /// The angle at the road wheel, the average over this sample, for what the input says of it. An
+    /// invalid command leaves the last one standing: the actuator goes on in any case.
+    fn steer(&mut self, command: f64) -> f64 {
+        let state = &mut self.state.actuator;
+        let valid = if plausible(&[command]) { Some(command) } else { state.command };
+        match valid {
+            Some(command) => {
+                state.sample(&self.actuator, self.observer.model.sampling_period_s, command)
+            }
+            None => command,
+        }
     }
 
     /// Stops the observer outside S_x and starts it, armed, inside the armed range.

@@ -1,8 +1,8 @@
 //! A design as bytes: the payload of the block that is baked into the library.
 
 use steerguard_detector::{
-    Configuration, ConfigurationError, Evaluation, Gains, Interval, OperatingRange, RULES, TsModel,
-    Vehicle,
+    Actuator, Configuration, ConfigurationError, Evaluation, Gains, Interval, OperatingRange,
+    RULES, TsModel, Vehicle,
 };
 use steerguard_fmi2::Archive;
 use steerguard_fmi2::archive::{read_fields, write_fields};
@@ -10,7 +10,7 @@ use steerguard_fmi2::archive::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
@@ -57,7 +57,7 @@ impl core::error::Error for DesignError {}
 
 impl BakedDesign {
     /// Length of an encoded design, bytes.
-    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4;
+    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 1;
 
     /// The design as payload for [`steerguard_fmi2::seal`].
     ///
@@ -108,7 +108,8 @@ impl BakedDesign {
         archive.require(magic == MAGIC && version == VERSION);
         archive.bytes(&mut self.hash);
 
-        let Configuration { model, hysteresis, gains, evaluation } = &mut self.configuration;
+        let Configuration { model, hysteresis, gains, evaluation, actuator } =
+            &mut self.configuration;
         let TsModel { vehicle, sampling_period_s, range } = model;
         for number in [&mut self.beta, &mut self.gamma, &mut self.gap] {
             archive.real(number);
@@ -130,6 +131,10 @@ impl BakedDesign {
             archive.real(number);
         }
         evaluation_fields(evaluation, archive);
+        let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = actuator;
+        archive.real(lag_s);
+        archive.real(delay_s);
+        archive.optional(rate_limit_rad_per_s, Archive::real);
     }
 
     /// What decoding fills in; no detector runs on it.
@@ -173,12 +178,14 @@ impl BakedDesign {
                 start_up_decay: 0.0,
                 debounce_samples: 0,
             },
+            actuator: Actuator::NONE,
         },
     };
 }
 
-/// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation.
-const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 6;
+/// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation,
+/// actuator.
+const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 6 + 3;
 
 fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
     let Vehicle {

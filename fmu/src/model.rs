@@ -3,7 +3,8 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    Detector, Initialisation, Input, Measurement, Monitor, Output, State, VehicleState,
+    ActuatorState, Detector, Initialisation, Input, Measurement, Monitor, Output, State,
+    VehicleState,
 };
 use steerguard_fmi2::types::fmi2Status;
 use steerguard_fmi2::{Archive, Log, Model};
@@ -168,6 +169,10 @@ impl Model for DetectorModel {
             V::RangeYawRateMin => range.r.min,
             V::RangeYawRateMax => range.r.max,
 
+            V::ActuatorLag => configuration.actuator.lag_s,
+            V::ActuatorDelay => configuration.actuator.delay_s,
+            V::ActuatorRateLimit => configuration.actuator.rate_limit_rad_per_s.unwrap_or(0.0),
+
             V::VehicleMass => vehicle.mass_kg,
             V::VehicleYawInertia => vehicle.yaw_inertia_kg_m2,
             V::VehicleLongitudinalInertia => vehicle.effective_longitudinal_inertia_kg_m,
@@ -226,6 +231,9 @@ impl Model for DetectorModel {
             | V::RangeSpeedYMax
             | V::RangeYawRateMin
             | V::RangeYawRateMax
+            | V::ActuatorLag
+            | V::ActuatorDelay
+            | V::ActuatorRateLimit
             | V::VehicleMass
             | V::VehicleYawInertia
             | V::VehicleLongitudinalInertia
@@ -264,15 +272,17 @@ impl Model for DetectorModel {
         for number in self.z_0.iter_mut().chain([&mut self.start_time_s]) {
             archive.finite(number);
         }
-        let window = self.design.configuration.evaluation.window;
-        archive_state(&mut self.detector.state, window, archive);
+        let configuration = &self.design.configuration;
+        let window = configuration.evaluation.window;
+        let delay = configuration.actuator.delay_samples(configuration.model.sampling_period_s);
+        archive_state(&mut self.detector.state, window, delay, archive);
         self.apply_initialisation();
     }
 }
 
-/// Passes the detector's state through `archive`.
-fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
-    let State { sample, z, tracking, armed, rms, start_up, exceedances, output } = state;
+/// Passes the detector's state through `archive`, `window` and `delay` in samples.
+fn archive_state(state: &mut State, window: usize, delay: usize, archive: &mut Archive<'_>) {
+    let State { sample, z, tracking, armed, rms, start_up, actuator, exceedances, output } = state;
     archive.u64(sample);
     for number in z {
         archive.finite(number);
@@ -287,6 +297,14 @@ fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
     archive.finite(&mut start_up.sum);
     archive.size(&mut start_up.samples);
     archive.require(rms.oldest < window && start_up.samples <= window);
+    let ActuatorState { commands, oldest, command, angle } = actuator;
+    for command in commands.iter_mut().take(delay + 1) {
+        archive.finite(command);
+    }
+    archive.size(oldest);
+    archive.require(*oldest <= delay);
+    archive.optional(command, Archive::finite);
+    archive.finite(angle);
     archive.u32(exceedances);
 
     let Output { residual, v_y_hat, j_rms, j_th, alarm, monitor, first_alarm } = output;

@@ -13,7 +13,7 @@ use std::ptr;
 use std::sync::LazyLock;
 
 use steerguard_detector::{
-    Configuration, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
+    Actuator, Configuration, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
 };
 use steerguard_fmi2::Block;
 use steerguard_fmi2::types::*;
@@ -59,7 +59,13 @@ pub fn design() -> BakedDesign {
         beta: 0.35,
         gamma: 0.003,
         gap: 9.5,
-        configuration: Configuration { model, hysteresis: [0.5, 0.25, 0.05], gains, evaluation },
+        configuration: Configuration {
+            model,
+            hysteresis: [0.5, 0.25, 0.05],
+            gains,
+            evaluation,
+            actuator: Actuator::NONE,
+        },
     }
 }
 

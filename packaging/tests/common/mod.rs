@@ -1,6 +1,6 @@
 //! A design that needs no solver: a stable observer without E, for tests of everything around it.
 
-use steerguard_detector::{Configuration, Evaluation, Gains, TsModel};
+use steerguard_detector::{Actuator, Configuration, Evaluation, Gains, TsModel};
 use steerguard_fmu::BakedDesign;
 
 pub fn design() -> BakedDesign {
@@ -32,6 +32,7 @@ pub fn design() -> BakedDesign {
                 start_up_decay: 0.97,
                 debounce_samples: 1,
             },
+            actuator: Actuator::NONE,
         },
     }
 }
