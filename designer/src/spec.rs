@@ -149,7 +149,7 @@ pub struct ActuatorTable {
 
 impl ActuatorTable {
     /// Slowest lag, s.
-    pub const LARGEST_LAG_S: f64 = 10.0;
+    pub const LARGEST_LAG_S: f64 = 5.0;
     /// Longest dead time, s; the detector's memory may be shorter.
     pub const LARGEST_DELAY_S: f64 = 0.5;
     /// Slowest and fastest rate limit, rad/s.

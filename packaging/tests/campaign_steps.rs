@@ -12,12 +12,13 @@ use steerguard::campaign::simulation::TestBench;
 use steerguard::cosimulation::Sample;
 use steerguard::package::{detector_fmu, plant_fmu};
 use steerguard::runtime::Runtimes;
-use steerguard_detector::{Interval, Vehicle};
+use steerguard_detector::{Actuator, Interval, Vehicle};
 
 use fmu::open;
 
 const SUBJECT: Subject = Subject {
     vehicle: Vehicle::PAPER,
+    actuator: Actuator::NONE,
     period_s: 0.01,
     armed_v_x: Interval::new(5.5, 29.5),
     lateral_acceleration_m_per_s2: 3.0,
@@ -36,6 +37,8 @@ const SETTINGS: Settings = Settings {
         bank_deg: 3.0,
         gust_m_per_s: 10.0,
         saturation: true,
+        actuator_lag_s: 0.0,
+        actuator_delay_s: 0.0,
     },
     sensors: Sensors {
         v_x_noise_m_per_s: 0.02,

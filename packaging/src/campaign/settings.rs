@@ -3,7 +3,7 @@
 use serde::Serialize;
 use steerguard_designer::spec::Fault;
 use steerguard_designer::{Design, Spec};
-use steerguard_detector::{Interval, Vehicle};
+use steerguard_detector::{Actuator, Interval, Vehicle};
 
 /// Settings of a campaign: with a design, they say everything about its drives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,12 +47,22 @@ pub struct Uncertainty {
     pub gust_m_per_s: f64,
     /// Whether friction limits the axle forces in half of the drives.
     pub saturation: bool,
+    /// Largest lag of the steering actuator beyond the design's, s.
+    pub actuator_lag_s: f64,
+    /// Longest dead time of the steering actuator beyond the design's, s.
+    pub actuator_delay_s: f64,
 }
 
 impl Uncertainty {
-    /// The design's own vehicle on a flat road in still air.
-    pub const NOMINAL: Self =
-        Self { parameters_percent: 0.0, bank_deg: 0.0, gust_m_per_s: 0.0, saturation: false };
+    /// The design's own vehicle and actuator on a flat road in still air.
+    pub const NOMINAL: Self = Self {
+        parameters_percent: 0.0,
+        bank_deg: 0.0,
+        gust_m_per_s: 0.0,
+        saturation: false,
+        actuator_lag_s: 0.0,
+        actuator_delay_s: 0.0,
+    };
 }
 
 /// Sensor errors: white noise, and bounds of a bias that is constant in a drive.
@@ -83,6 +93,8 @@ impl Sensors {
 pub struct Subject {
     /// The vehicle it is made for.
     pub vehicle: Vehicle,
+    /// The steering actuator it is made for.
+    pub actuator: Actuator,
     /// Sampling period, the communication step of the drives, s.
     pub period_s: f64,
     /// Speeds at which it arms, m/s.
@@ -108,6 +120,7 @@ impl Subject {
         let [v_x_hysteresis, ..] = range.hysteresis();
         Self {
             vehicle: design.vehicle,
+            actuator: spec.actuator.actuator(),
             period_s: design.sampling_period_s,
             armed_v_x: range.range().v_x.shrunk(v_x_hysteresis),
             lateral_acceleration_m_per_s2: calibration
@@ -127,6 +140,7 @@ pub(super) mod tests {
 
     pub const PAPER: Subject = Subject {
         vehicle: Vehicle::PAPER,
+        actuator: Actuator::NONE,
         period_s: 0.01,
         armed_v_x: Interval::new(5.5, 29.5),
         lateral_acceleration_m_per_s2: 3.0,
@@ -145,6 +159,8 @@ pub(super) mod tests {
             bank_deg: 3.0,
             gust_m_per_s: 10.0,
             saturation: true,
+            actuator_lag_s: 0.02,
+            actuator_delay_s: 0.03,
         },
         sensors: Sensors {
             v_x_noise_m_per_s: 0.02,

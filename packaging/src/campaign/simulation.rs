@@ -1,11 +1,14 @@
 //! One drive through the packaged FMUs.
 
+use steerguard_detector::Actuator;
+
 use super::drive::Drive;
 use super::fault;
 use super::gust;
 use super::manoeuvre::Course;
 use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
+use super::wheel::Wheel;
 use crate::cosimulation::{CosimulationError, Excitation, Rig, Sample};
 use crate::importer::{Fmu, Type};
 use crate::scenario::SensorNoise;
@@ -33,14 +36,22 @@ impl TestBench {
         let step_s = self.subject.period_s;
         let steps = libm::round(drive.duration_s / step_s) as u32;
         let course = Course::of(drive, &self.subject);
+        let actuator = Actuator {
+            lag_s: drive.actuator_lag_s,
+            delay_s: drive.actuator_delay_s,
+            ..self.subject.actuator
+        };
+        let wheel = Wheel::new(&course, &actuator, step_s, steps);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
-        rig.initialise(drive.duration_s, &excitation(drive, &course, 0.0, drive.speed_m_per_s))?;
+        rig.set_actuator(&self.plant, &actuator)?;
+        let start = excitation(drive, &course, &wheel, 0.0, drive.speed_m_per_s);
+        rig.initialise(drive.duration_s, &start)?;
 
         let mut observation = Observation::default();
         for k in 0..steps {
             let time_s = f64::from(k) * step_s;
-            let excite = |[v_x, _]: [f64; 2]| excitation(drive, &course, time_s, v_x);
+            let excite = |[v_x, _]: [f64; 2]| excitation(drive, &course, &wheel, time_s, v_x);
             let sample = rig.step(time_s, step_s, excite)?;
             observation.add(&sample);
             record(&sample);
@@ -80,12 +91,12 @@ impl TestBench {
 }
 
 /// What acts at time `t` at the speed `v_x` that the plant gives.
-fn excitation(drive: &Drive, course: &Course, t: f64, v_x: f64) -> Excitation {
+fn excitation(drive: &Drive, course: &Course, wheel: &Wheel, t: f64, v_x: f64) -> Excitation {
     let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, t, v_x);
     Excitation {
         drive_torque: course.drive_torque_n_m(t, v_x),
         steering_angle: course.steering_rad(t),
-        fault: fault::angle_rad(drive, t, |t| course.steering_rad(t)),
+        fault: fault::angle_rad(drive, t, |t| wheel.angle_rad(t)),
         side_force,
         yaw_moment,
         sensor_bias: [drive.v_x_bias_m_per_s, drive.r_bias_rad_per_s],

@@ -75,6 +75,8 @@ fn settings(arguments: &CampaignArguments, design: &Design) -> Settings {
                 bank_deg: arguments.bank,
                 gust_m_per_s: arguments.gust,
                 saturation: true,
+                actuator_lag_s: arguments.actuator_lag,
+                actuator_delay_s: arguments.actuator_delay,
             }
         },
         sensors: Sensors {
