@@ -64,11 +64,7 @@ pub fn design() -> BakedDesign {
             hysteresis: [0.5, 0.25, 0.05],
             gains,
             evaluation,
-            actuator: Actuator {
-                lag_s: 0.05,
-                delay_s: 0.037,
-                rate_limit_rad_per_s: Some(0.4),
-            },
+            actuator: Actuator { lag_s: 0.05, delay_s: 0.037, rate_limit_rad_per_s: Some(0.4) },
         },
     }
 }
