@@ -7,6 +7,7 @@ mod common;
 mod fmu;
 
 use steerguard::campaign::drive::Drive;
+use steerguard::campaign::manoeuvre::Manoeuvre;
 use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
 use steerguard::cosimulation::Sample;
@@ -90,6 +91,40 @@ fn steps_allocate_nothing() {
         }
     }
     assert!(quiet_drives >= 3, "{quiet_drives}");
+}
+
+/// The plant has the actuator of the drive: one that the detector does not know of shows.
+#[test]
+fn drives_are_driven_through_their_actuator() {
+    let actuator = Actuator { lag_s: 0.1, delay_s: 0.05, rate_limit_rad_per_s: Some(0.2) };
+    let (mut knowing, unaware) = (common::design(), bench());
+    knowing.configuration.actuator = actuator;
+    let knowing = TestBench {
+        detector: open(&detector_fmu(&knowing, &Runtimes::detector()).unwrap()),
+        plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
+        subject: Subject { actuator, ..SUBJECT },
+    };
+    let unaware = TestBench { subject: knowing.subject, ..unaware };
+    let drive = Drive {
+        manoeuvre: Manoeuvre::DoubleLaneChange,
+        speed_m_per_s: 10.0,
+        v_x_noise_m_per_s: 0.0,
+        r_noise_rad_per_s: 0.0,
+        v_x_bias_m_per_s: 0.0,
+        r_bias_rad_per_s: 0.0,
+        ..Drive::draw(
+            &Settings { faults: FaultMix::None, uncertainty: Uncertainty::NOMINAL, ..SETTINGS },
+            &knowing.subject,
+            0,
+        )
+    };
+    assert_eq!((drive.actuator_lag_s, drive.actuator_delay_s), (0.1, 0.05));
+    let [by_knowing, by_unaware] = [&knowing, &unaware].map(|bench| {
+        let mut largest = 0.0_f64;
+        bench.run(&drive, |sample| largest = largest.max(sample.j_rms)).unwrap();
+        largest
+    });
+    assert!(by_unaware > 5.0 * by_knowing, "{by_knowing}, {by_unaware}");
 }
 
 /// What the detector is given is what the drive says.
