@@ -5,9 +5,11 @@
 //! a flat road in still air; or an uncertain one, drawn anew for each drive, as are bank and gusts.
 //!
 //! # Conventions
-//! Inputs are held from sample to sample, the disturbances for an integration step; the sensors' noise
-//! is that of the specification. Random numbers come from generators seeded with the drive's number. The
-//! drive torque is that of a speed control: cruise torque and I_e times the speed error a second.
+//! Inputs are held from sample to sample; of a specification with an actuator the steering is its
+//! command. The actuator's angle and the disturbances are held for an integration step; the sensors'
+//! noise is that of the specification. Random numbers come from generators seeded with the drive's
+//! number. The drive torque is that of a speed control: cruise torque and I_e times the speed error a
+//! second.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
@@ -16,7 +18,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use steerguard_detector::{
-    Configuration, ConfigurationError, Detector, Gust, Monitor, Vehicle, VehicleState, rk4,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Gust, Monitor, Vehicle,
+    VehicleState, rk4,
 };
 
 use crate::gust::Gusts;
@@ -237,6 +240,7 @@ fn run(
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
     let steady_threshold = detector.state.output.j_th;
     let mut noise = SensorNoise::new(&spec.noise, index);
+    let mut wheel = Wheel::new(&world.actuator, t_s, step);
 
     let mut x = [drive.v_x_m_per_s, drive.v_y_m_per_s, 0.0];
     let mut outcome = Outcome { level: None, monitored: 0, samples };
@@ -244,11 +248,11 @@ fn run(
         let t = k as f64 * t_s;
         let t_eng = spec.vehicle.cruise_torque(drive.v_x_m_per_s)
             + spec.vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
-        let delta = steering(spec, drive, t);
+        let command = |k: u64| steering(spec, drive, k as f64 * t_s);
 
         let wave = drive.disturbance.at(t);
         let measured = [x[0] + noise.next(0, wave), x[2] + noise.next(1, wave)];
-        let output = detector.sample(measured, [t_eng, delta]);
+        let output = detector.sample(measured, [t_eng, command(k)]);
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
             let level = match population {
@@ -257,7 +261,9 @@ fn run(
             };
             outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
         }
+        let delayed = command(k.saturating_sub(wheel.whole_samples));
         for inner in 0..steps as u32 {
+            let delta = wheel.angle(delayed);
             let t = t + f64::from(inner) * step;
             let push = plus(disturbance(spec, drive, t), world.slope(t, x[0]));
             x = rk4(|x| plus(world.vehicle.derivative(x, [t_eng, delta]), push), x, step);
@@ -269,6 +275,7 @@ fn run(
 /// Vehicle, road and air of one drive.
 struct World {
     vehicle: Vehicle,
+    actuator: Actuator,
     bank_m_per_s2: f64,
     /// Of the fastest gust, with the force it has.
     gust: Gust,
@@ -279,6 +286,7 @@ impl World {
     fn specified(spec: &Spec) -> Self {
         Self {
             vehicle: spec.vehicle,
+            actuator: spec.actuator.actuator(),
             bank_m_per_s2: 0.0,
             gust: Gust { speed_m_per_s: 0.0, ..spec.uncertainty.gust() },
             gusts: Gusts {
@@ -305,6 +313,7 @@ impl World {
         let v = &spec.vehicle;
         let (bank_deg, gust) = (uncertainty.bank_deg, uncertainty.gust());
         let fastest = gust.speed_m_per_s;
+        let actuator = spec.actuator.actuator();
         Self {
             vehicle: Vehicle {
                 mass_kg: mass * v.mass_kg,
@@ -313,6 +322,11 @@ impl World {
                 front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
                 rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
                 ..*v
+            },
+            actuator: Actuator {
+                lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
+                delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),
+                ..actuator
             },
             bank_m_per_s2: UncertaintyTable::bank_m_per_s2(between([-bank_deg, bank_deg])),
             gust,
@@ -335,6 +349,33 @@ impl World {
             self.bank_m_per_s2 + force / v.mass_kg,
             wind.acting_ahead_m * force / v.yaw_inertia_kg_m2,
         ]
+    }
+}
+
+/// The vehicle's actuator, an integration step at a time.
+struct Wheel {
+    /// Dead time in whole samples: the rest is left to the actuator.
+    whole_samples: u64,
+    actuator: Actuator,
+    step_s: f64,
+    state: ActuatorState,
+}
+
+impl Wheel {
+    fn new(actuator: &Actuator, sampling_period_s: f64, step_s: f64) -> Self {
+        let whole_samples = actuator.delay_samples(sampling_period_s);
+        let rest_s = actuator.delay_s - whole_samples as f64 * sampling_period_s;
+        Self {
+            whole_samples: whole_samples as u64,
+            actuator: Actuator { delay_s: rest_s.max(0.0), ..*actuator },
+            step_s,
+            state: ActuatorState::START,
+        }
+    }
+
+    /// The average angle over the next step, under a command whole samples old.
+    fn angle(&mut self, command: f64) -> f64 {
+        self.state.sample(&self.actuator, self.step_s, command)
     }
 }
 

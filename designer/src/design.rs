@@ -390,6 +390,7 @@ fn evaluate(
             ..without_threshold
         },
         deviations: spec.deviations(),
+        actuator: spec.actuator.actuator(),
     };
     let Threshold { threshold, uncertainty_share, calibration, uncertain } =
         threshold::threshold(spec, &configuration, progress)?;

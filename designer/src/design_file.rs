@@ -429,6 +429,7 @@ impl Design {
                 debounce_samples: e.debounce_samples,
             },
             deviations: self.spec.deviations(),
+            actuator: self.spec.actuator.actuator(),
         }
     }
 }

@@ -10,7 +10,9 @@
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{Deviations, Interval, MAX_WINDOW, OperatingRange, TsModel, Vehicle};
+use steerguard_detector::{
+    Actuator, Deviations, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, OperatingRange, TsModel, Vehicle,
+};
 
 use crate::band::Band;
 use crate::calibration;
@@ -37,6 +39,8 @@ pub struct Spec {
     pub operating_range: OperatingRangeTable,
     /// Sampling.
     pub sampling: Sampling,
+    /// The steering actuator, where `u.delta` is its command.
+    pub actuator: ActuatorTable,
     /// Faults of interest: the gains are made for the first, the others are reported.
     pub fault: Vec<Fault>,
     /// Disturbances.
@@ -133,6 +137,47 @@ pub struct Sampling {
 impl Default for Sampling {
     fn default() -> Self {
         Self { period_s: 0.01, euler_correction: true }
+    }
+}
+
+/// `[actuator]`: what lies between the steering angle that the detector is told and the road wheel. The
+/// default is nothing: the angle is a measured one, or the actuator is too fast to matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ActuatorTable {
+    /// Time constant of a first-order lag; default 0.
+    pub lag_s: f64,
+    /// Dead time; default 0.
+    pub delay_s: f64,
+    /// Fastest turn of the road wheel; default none.
+    pub rate_limit_rad_per_s: Option<f64>,
+}
+
+impl ActuatorTable {
+    /// Slowest lag, s.
+    pub const LARGEST_LAG_S: f64 = 5.0;
+    /// Longest dead time, s; the detector's memory may be shorter.
+    pub const LARGEST_DELAY_S: f64 = 0.5;
+    /// Slowest and fastest rate limit, rad/s.
+    pub const RATE_LIMITS_RAD_PER_S: [f64; 2] = [1e-3, 100.0];
+
+    /// The detector's actuator.
+    pub fn actuator(self) -> Actuator {
+        let Self { lag_s, delay_s, rate_limit_rad_per_s } = self;
+        Actuator { lag_s, delay_s, rate_limit_rad_per_s }
+    }
+
+    /// Checks every value, for a dead time of at most `largest_delay_s`.
+    ///
+    /// # Errors
+    /// [`SpecError`], for the first value that is not possible.
+    pub fn check(&self, largest_delay_s: f64) -> Result<(), SpecError> {
+        Allowed::between(0.0, Self::LARGEST_LAG_S).check("actuator.lag_s", self.lag_s)?;
+        Allowed::between(0.0, largest_delay_s).check("actuator.delay_s", self.delay_s)?;
+        let [slowest, fastest] = Self::RATE_LIMITS_RAD_PER_S;
+        self.rate_limit_rad_per_s.map_or(Ok(()), |limit| {
+            Allowed::between(slowest, fastest).check("actuator.rate_limit_rad_per_s", limit)
+        })
     }
 }
 
@@ -317,6 +362,7 @@ impl Default for Spec {
             vehicle: Vehicle::PAPER,
             operating_range: OperatingRangeTable::default(),
             sampling: Sampling::default(),
+            actuator: ActuatorTable::default(),
             fault: vec![Fault::Steering {
                 smallest_deg: channel::half_a_degree(),
                 band_hz: channel::low_band(),
@@ -374,7 +420,7 @@ impl Spec {
         self.check_vehicle_and_range()?;
         self.check_sampling()?;
         self.check_channels()?;
-        self.uncertainty.check()?;
+        self.uncertainty.check(self.largest_delay_s() - self.actuator.delay_s)?;
         self.check_design()?;
         self.check_evaluation()
     }
@@ -462,7 +508,14 @@ impl Spec {
                 "min above {lowest_speed:.3} m/s: below it the lateral dynamics outrun \
                  sampling.period_s = {t}"
             ),
-        )
+        )?;
+        self.actuator.check(self.largest_delay_s())
+    }
+
+    /// Longest dead time of the actuator, s.
+    fn largest_delay_s(&self) -> f64 {
+        let memory_s = MAX_DELAY_SAMPLES as f64 * self.sampling.period_s;
+        memory_s.min(ActuatorTable::LARGEST_DELAY_S)
     }
 
     fn check_channels(&self) -> Result<(), SpecError> {

@@ -7,21 +7,17 @@
 //! with e_j the error's response to uncertainty j at its bound: METHOD.md 6.
 
 use serde::Serialize;
-use steerguard_detector::{Configuration, Deviations, Evaluation, Input, Observer, VehicleState};
+use steerguard_detector::{
+    Configuration, Deviations, Evaluation, Input, Observer, Place, VehicleState,
+};
 
 use crate::calibration::{Level, Population, calibrate, drives, steady_angle};
 use crate::design::{DesignError, Step};
 use crate::spec::{Spec, ThresholdKind};
 
 /// Names of the uncertainties, in the order of the detector's.
-pub const UNCERTAINTIES: [&str; steerguard_detector::UNCERTAINTIES] = [
-    "mass",
-    "yaw inertia",
-    "front cornering stiffness",
-    "rear cornering stiffness",
-    "bank",
-    "gust",
-];
+pub const UNCERTAINTIES: [&str; steerguard_detector::UNCERTAINTIES] =
+    ["mass", "yaw inertia", "front stiffness", "rear stiffness", "bank", "gust", "actuator"];
 
 /// A threshold.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +121,9 @@ fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold 
         evaluation.square([e[0], e[2]]).sqrt()
     };
     let Deviations { uncertainty, smallest_fault, .. } = deviations;
-    let slopes = uncertainty.slopes(&model.vehicle, x, u);
+    // The actuator has come to rest.
+    let place = Place { x, u, slowest_behind_rad: 0.0 };
+    let slopes = uncertainty.slopes(&model.vehicle, &place);
     let uncertainties = slopes
         .map(|slope| evaluation.uncertainty_share * j(slope.map(|x| model.sampling_period_s * x)));
     SteadyThreshold {

@@ -19,7 +19,8 @@ use steerguard_designer::spec::Fault;
 use steerguard_designer::theorem4::matrix;
 use steerguard_designer::{Design, DesignError, Spec, SpecError};
 use steerguard_detector::{
-    Configuration, Detector, Evaluation, Input, Monitor, RULES, TsModel, VehicleState,
+    Actuator, Configuration, Detector, Deviations, Evaluation, Input, Monitor, RULES, TsModel,
+    VehicleState,
 };
 
 mod common;
@@ -147,10 +148,13 @@ fn detector() -> Detector {
             window: 40,
             weights: [1.0, 1.0],
             threshold: 1.0,
+            uncertainty_share: 0.0,
             start_up_amplitude: 0.0,
             start_up_decay: 0.0,
             debounce_samples: 1,
         },
+        actuator: Actuator::NONE,
+        deviations: Deviations::NONE,
     })
     .unwrap()
 }

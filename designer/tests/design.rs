@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use steerguard_designer::certificate::{check, error_dynamics};
 use steerguard_designer::gains::ObserverGains;
-use steerguard_designer::spec::{Calibration, Manoeuvre};
+use steerguard_designer::spec::{ActuatorTable, Calibration, Manoeuvre};
 use steerguard_designer::synthesis::{AttenuationMatrices, Lyapunov};
 use steerguard_designer::theorem4::{Theorem4, matrix};
 use steerguard_designer::{
@@ -197,13 +197,30 @@ fn detects_the_smallest_fault_soon_and_nothing_before() {
 fn threshold_is_the_calibrated_level_times_the_margin() {
     let design = papers_design();
     let e = &design.evaluation;
-    near(e.threshold, e.margin * e.calibration.level, 1e-15);
-    assert_eq!(e.calibration.drives, 2 * 2 * 2);
+    let calibration = e.calibration.as_ref().unwrap();
+    near(e.threshold, e.margin * calibration.level, 1e-15);
+    assert_eq!(calibration.drives, 2 * 2 * 2);
     // The tightest turn at the lowest speed leaves the operating range.
-    assert!(e.calibration.monitored > 0.75 && e.calibration.monitored < 1.0);
-    assert_eq!(e.calibration.worst.manoeuvre, Manoeuvre::StepSteer);
+    assert!(calibration.monitored > 0.75 && calibration.monitored < 1.0);
+    assert_eq!(calibration.worst.manoeuvre, Manoeuvre::StepSteer);
     // The budget: at most half of what the smallest fault reaches.
     assert!(e.threshold < 0.5 * design.performance.smallest_fault_residual);
+}
+
+/// The calibration's vehicle has the actuator that the detector knows of: the level stays low, where
+/// one left out is like a fault of more than a degree. The gains stay as they are.
+#[test]
+fn an_actuator_changes_the_threshold_little_and_nothing_else() {
+    let actuator = ActuatorTable { lag_s: 0.1, delay_s: 0.0373, rate_limit_rad_per_s: Some(0.2) };
+    let with = designed(&Spec { actuator, ..spec() }).unwrap();
+    let without = papers_design();
+    assert_eq!(with.vertices, without.vertices);
+    assert_eq!(with.performance, without.performance);
+    assert_eq!(with.certificate, without.certificate);
+    let ratio = with.evaluation.threshold / without.evaluation.threshold;
+    assert!(ratio < 1.2 && ratio != 1.0, "{ratio}");
+    assert_eq!(with.configuration().actuator, actuator.actuator());
+    assert_eq!(Design::from_json(&with.to_json().unwrap()).unwrap(), with);
 }
 
 #[test]

@@ -112,6 +112,19 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("design.V = \"G'\"", &["`design.V`", "three numbers"]),
         ("design.method = 'h2'", &["`design.method`", "h2", "gap", "paper"]),
         ("design.search_budget = 0", &["`design.search_budget` = 0", "from 1 to 10000"]),
+        // Actuator.
+        ("actuator.lag = 0.1", &["`actuator.lag`", "did you mean `lag_s`?", "unit"]),
+        ("actuator.lag_s = -0.1", &["`actuator.lag_s` = -0.1", "from 0 to 5"]),
+        ("actuator.lag_s = nan", &["`actuator.lag_s` = NaN"]),
+        ("actuator.delay_s = 0.6", &["`actuator.delay_s` = 0.6", "from 0 to 0.5"]),
+        (
+            "sampling.period_s = 0.001\nactuator.delay_s = 0.3",
+            &["`actuator.delay_s` = 0.3", "from 0 to 0.256"],
+        ),
+        (
+            "actuator.rate_limit_rad_per_s = 0",
+            &["`actuator.rate_limit_rad_per_s` = 0.0", "from 0.001 to 100"],
+        ),
         ("evaluation.threshold = 'guaranteed'", &["`evaluation.threshold`", "calibrated"]),
         // Vehicle.
         ("vehicle.mass_kg = 0", &["`vehicle.mass_kg` = 0.0", "> 0"]),

@@ -1,6 +1,8 @@
 //! Everything the detector is told: plain numbers, checked once before it runs.
 
-use crate::{Deviations, Evaluation, Gains, Interval, MAX_WINDOW, TsModel};
+use crate::{
+    Actuator, Deviations, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, TsModel,
+};
 
 /// A detector's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +18,8 @@ pub struct Configuration {
     pub evaluation: Evaluation,
     /// Where the vehicle may depart from the model.
     pub deviations: Deviations,
+    /// Between the commanded angle and the road wheel.
+    pub actuator: Actuator,
 }
 
 /// Why a configuration cannot run: the first field that is not finite or out of its range.
@@ -44,6 +48,12 @@ impl Configuration {
         let e = &self.evaluation;
         let g = &self.gains;
         let d = &self.deviations.uncertainty;
+        let a = &self.actuator;
+        let slowest = d.slowest(a);
+        let delay = |a: &Actuator| {
+            let samples = a.delay_s / self.model.sampling_period_s;
+            (0.0..(MAX_DELAY_SAMPLES + 1) as f64).contains(&samples)
+        };
         let armed = range.shrunk(self.hysteresis);
         let proper = |i: Interval| i.min < i.max && i.min.is_finite() && i.max.is_finite();
         let positive = |x: f64| x > 0.0 && x.is_finite();
@@ -88,6 +98,12 @@ impl Configuration {
             ("gust coefficient", not_negative(d.gust.coefficient_n_s2_per_m2)),
             ("gust lever", d.gust.acting_ahead_m.is_finite()),
             ("smallest fault", self.deviations.smallest_fault.iter().all(finite)),
+            ("actuator lag", not_negative(a.lag_s)),
+            ("actuator delay", delay(a)),
+            ("actuator rate limit", a.rate_limit_rad_per_s.is_none_or(positive)),
+            ("uncertainty of the actuator's lag", not_negative(d.actuator_lag_s)),
+            ("uncertainty of the actuator's delay", not_negative(d.actuator_delay_s)),
+            ("slowest actuator's delay", delay(&slowest)),
         ] {
             if !holds {
                 return Err(ConfigurationError { field });

@@ -1,8 +1,8 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
 use crate::{
-    Configuration, ConfigurationError, Deviations, Evaluation, Input, Measurement, Observer,
-    OperatingRange, Responses, Rms, StartUp, VehicleState,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
+    Measurement, Observer, OperatingRange, Place, Responses, Rms, StartUp, VehicleState,
 };
 
 /// Inputs and measurements of this magnitude and more count as invalid, in SI units, and an estimate
@@ -79,6 +79,10 @@ pub struct State {
     pub start_up: StartUp,
     /// Responses to deviations from the model.
     pub responses: Responses,
+    /// The actuator, which moves at every sample, seen or not.
+    pub actuator: ActuatorState,
+    /// The slowest that the actuator may be, likewise.
+    pub slowest_actuator: ActuatorState,
     /// Consecutive samples with `J >= J_th`.
     pub exceedances: u32,
     /// Results of the last sample.
@@ -91,6 +95,8 @@ pub struct Detector {
     observer: Observer,
     armed_range: OperatingRange,
     evaluation: Evaluation,
+    actuator: Actuator,
+    slowest_actuator: Actuator,
     deviations: Deviations,
     /// Factor on J_th, positive; 1 is the design's threshold.
     pub threshold_factor: f64,
@@ -109,11 +115,14 @@ impl Detector {
     /// [`ConfigurationError`] where a number is not finite or out of its range.
     pub fn new(configuration: &Configuration) -> Result<Self, ConfigurationError> {
         configuration.check()?;
-        let Configuration { model, hysteresis, gains, evaluation, deviations } = *configuration;
+        let Configuration { model, hysteresis, gains, evaluation, actuator, deviations } =
+            *configuration;
         Ok(Self {
             observer: Observer::new(model, gains),
             armed_range: model.range.shrunk(hysteresis),
             evaluation,
+            actuator,
+            slowest_actuator: deviations.uncertainty.slowest(&actuator),
             deviations,
             threshold_factor: 1.0,
             debounce_samples: evaluation.debounce_samples,
@@ -126,6 +135,8 @@ impl Detector {
                 rms: Rms::EMPTY,
                 start_up: StartUp::RESTARTED,
                 responses: Responses::NONE,
+                actuator: ActuatorState::START,
+                slowest_actuator: ActuatorState::START,
                 exceedances: 0,
                 output: Output { j_th: evaluation.threshold, ..Output::default() },
             },
@@ -134,10 +145,11 @@ impl Detector {
 
     /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
+        let [delta, slowest] = self.steer(u[1]);
         if plausible(&y) && plausible(&u) {
             self.track(y);
             if self.state.tracking {
-                self.observe(y, u);
+                self.observe(y, [u[0], delta], slowest - delta);
             }
             self.decide();
         } else {
@@ -148,6 +160,24 @@ impl Detector {
         }
         self.state.sample += 1;
         &self.state.output
+    }
+
+    /// The angle at the road wheel, the average over this sample, for what the input says of it, and
+    /// the same of the slowest actuator. An invalid command leaves the last one standing: the actuator
+    /// goes on in any case.
+    fn steer(&mut self, command: f64) -> [f64; 2] {
+        let State { actuator, slowest_actuator, .. } = &mut self.state;
+        let valid = if plausible(&[command]) { Some(command) } else { actuator.command };
+        let Some(command) = valid else {
+            return [command; 2];
+        };
+        let period_s = self.observer.model.sampling_period_s;
+        let angle = actuator.sample(&self.actuator, period_s, command);
+        if self.slowest_actuator == self.actuator {
+            [angle; 2]
+        } else {
+            [angle, slowest_actuator.sample(&self.slowest_actuator, period_s, command)]
+        }
     }
 
     /// Stops the observer outside S_x and starts it, armed, inside the armed range.
@@ -180,7 +210,7 @@ impl Detector {
     }
 
     /// Residual and J of this sample, and z of the next.
-    fn observe(&mut self, y: Measurement, u: Input) {
+    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
         if !plausible(&x_hat) {
@@ -197,7 +227,8 @@ impl Detector {
         let residual = [y[0] - x_hat[0] - v_x, y[1] - x_hat[2] - r]; // (10)
         let [uncertainty, fault] = state.responses.levels(evaluation);
         let x = [y[0], x_hat[1], y[1]];
-        state.responses.advance(&self.deviations, &self.observer, &n, x, u);
+        let place = Place { x, u, slowest_behind_rad };
+        state.responses.advance(&self.deviations, &self.observer, &n, &place);
 
         let output = &mut state.output;
         output.residual = residual;

@@ -7,10 +7,10 @@
 //!   their bounds, which raise the threshold; the smallest fault of interest, which says what the
 //!   threshold still lets through. METHOD.md 6.
 
-use crate::{Evaluation, Input, Observer, Rms, TsModel, Vehicle, VehicleState};
+use crate::{Actuator, Evaluation, Input, Observer, Rms, TsModel, Vehicle, VehicleState};
 
 /// Number of uncertainties.
-pub const UNCERTAINTIES: usize = 6;
+pub const UNCERTAINTIES: usize = 7;
 
 /// What is not known of vehicle, road and air: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,10 @@ pub struct Uncertainty {
     pub bank_m_per_s2: f64,
     /// Fastest gust across the road.
     pub gust: Gust,
+    /// Largest lag of the actuator beyond the one modelled, s.
+    pub actuator_lag_s: f64,
+    /// Longest dead time of the actuator beyond the one modelled, s.
+    pub actuator_delay_s: f64,
 }
 
 /// A gust across the road: side force `coefficient w sqrt(v_x^2 + w^2)`, `w` its speed.
@@ -48,6 +52,17 @@ impl Gust {
     }
 }
 
+/// Where the vehicle is at a sample, as far as measured, estimated and commanded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// State.
+    pub x: VehicleState,
+    /// Input, the angle that of the actuator.
+    pub u: Input,
+    /// The angle of the slowest actuator less that angle, rad.
+    pub slowest_behind_rad: f64,
+}
+
 impl Uncertainty {
     /// Everything is known.
     pub const NONE: Self = Self {
@@ -57,16 +72,23 @@ impl Uncertainty {
         rear_cornering_stiffness: 0.0,
         bank_m_per_s2: 0.0,
         gust: Gust { speed_m_per_s: 0.0, coefficient_n_s2_per_m2: 0.0, acting_ahead_m: 0.0 },
+        actuator_lag_s: 0.0,
+        actuator_delay_s: 0.0,
     };
 
-    /// What each uncertainty at its bound adds to `x'` (1) of `vehicle` at state `x`, in the order
-    /// of the fields.
-    pub fn slopes(
-        &self,
-        vehicle: &Vehicle,
-        x: VehicleState,
-        [t_eng, delta]: Input,
-    ) -> [VehicleState; UNCERTAINTIES] {
+    /// The slowest that an `actuator` may be.
+    pub fn slowest(&self, actuator: &Actuator) -> Actuator {
+        Actuator {
+            lag_s: actuator.lag_s + self.actuator_lag_s,
+            delay_s: actuator.delay_s + self.actuator_delay_s,
+            ..*actuator
+        }
+    }
+
+    /// What each uncertainty at its bound adds to `x'` (1) of `vehicle`, in the order of
+    /// the fields.
+    pub fn slopes(&self, vehicle: &Vehicle, place: &Place) -> [VehicleState; UNCERTAINTIES] {
+        let Place { x, u: [t_eng, delta], slowest_behind_rad } = *place;
         let [v_x, v_y, _] = x;
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
@@ -75,6 +97,7 @@ impl Uncertainty {
         let longitudinal =
             (t_eng - vehicle.cruise_torque(v_x)) / vehicle.effective_longitudinal_inertia_kg_m;
         let gust = self.gust.side_force(v_x);
+        let behind = 2.0 * vehicle.front_cornering_stiffness_n_per_rad * slowest_behind_rad;
         let (c_f, c_r) = (self.front_cornering_stiffness, self.rear_cornering_stiffness);
         [
             [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
@@ -83,6 +106,7 @@ impl Uncertainty {
             [0.0, c_r * rear / m, -c_r * l_r * rear / i_z],
             [0.0, self.bank_m_per_s2, 0.0],
             [0.0, gust / m, self.gust.acting_ahead_m * gust / i_z],
+            [0.0, behind / m, l_f * behind / i_z],
         ]
     }
 }
@@ -145,16 +169,15 @@ impl Responses {
         ]
     }
 
-    /// Goes on to the next sample: the vehicle is at state `x` as far as measured and estimated, and
-    /// `n` is N(h) there.
+    /// Goes on to the next sample; `n` is N(h) at this one.
     pub fn advance(
         &mut self,
         deviations: &Deviations,
         observer: &Observer,
         n: &[[f64; 3]; 3],
-        x: VehicleState,
-        u: Input,
+        place: &Place,
     ) {
+        let Place { x, u, .. } = *place;
         let TsModel { vehicle, sampling_period_s, .. } = observer.model;
         let scaled = |by: f64, w: VehicleState| w.map(|w| by * w);
         if deviations.euler_correction {
@@ -163,7 +186,7 @@ impl Responses {
             let w = scaled(half_square, vehicle.second_derivative(x, u));
             self.remainder = observer.respond(n, self.remainder, w);
         }
-        let slopes = deviations.uncertainty.slopes(&vehicle, x, u);
+        let slopes = deviations.uncertainty.slopes(&vehicle, place);
         for (response, slope) in self.uncertainties.iter_mut().zip(slopes) {
             *response = observer.respond(n, *response, scaled(sampling_period_s, slope));
         }

@@ -7,7 +7,8 @@
 //! # Conventions
 //! - Axes ISO 8855: x forward, y left, yaw rate counter-clockwise. SI units throughout.
 //! - State `x = [v_x, v_y, r]` in m/s, m/s, rad/s; measurement `y = C x = [v_x, r]`;
-//!   input `u = [T_eng, delta]` in N m at the wheels and rad at the road wheel.
+//!   input `u = [T_eng, delta]` in N m at the wheels and rad at the road wheel. Of a command, delta is
+//!   what the [`Actuator`] makes of it.
 //! - Sample k holds `y_k` and the input `u_k` that acts from sample k to k + 1. The residual `r_k`
 //!   uses `y_k` and nothing later.
 //! - Matrices are arrays of rows.
@@ -18,6 +19,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod actuator;
 mod algebra;
 mod configuration;
 mod detector;
@@ -28,9 +30,10 @@ mod range;
 mod ts_model;
 mod vehicle;
 
+pub use actuator::{Actuator, ActuatorState, MAX_DELAY_SAMPLES};
 pub use configuration::{Configuration, ConfigurationError};
 pub use detector::{Detector, Initialisation, LARGEST_MAGNITUDE, Monitor, Output, State};
-pub use deviation::{Deviations, Gust, Responses, UNCERTAINTIES, Uncertainty};
+pub use deviation::{Deviations, Gust, Place, Responses, UNCERTAINTIES, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};

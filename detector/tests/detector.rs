@@ -2,46 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::configuration;
 use proptest::prelude::*;
-use steerguard_detector::{
-    Configuration, Detector, Deviations, Evaluation, Gains, Initialisation, Monitor, Output,
-    TsModel,
-};
+use steerguard_detector::{Configuration, Detector, Initialisation, Monitor, Output};
 
 const NAN: f64 = f64::NAN;
 const CRUISE: [f64; 2] = [78.75, 0.0];
-
-/// A stable observer without E: N_i keeps the lateral dynamics and contracts the measured states.
-fn configuration() -> Configuration {
-    let model = TsModel::PAPER;
-    let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let contraction = 0.5;
-    let gains = Gains {
-        n: model.vertices().map(|a| {
-            [[contraction, a[0][1], 0.0], [0.0, a[1][1], 0.0], [0.0, a[2][1], contraction]]
-        }),
-        l: model
-            .vertices()
-            .map(|_| [[1.0 - contraction, 0.0], [0.0, 0.0], [0.0, 1.0 - contraction]]),
-        m: identity,
-        e: [[0.0; 2]; 3],
-    };
-    Configuration {
-        model,
-        hysteresis: [0.5, 0.25, 0.05],
-        gains,
-        evaluation: Evaluation {
-            window: 40,
-            weights: [1.0, 1.0],
-            threshold: 1e-3,
-            uncertainty_share: 1.0,
-            start_up_amplitude: 0.1,
-            start_up_decay: 0.97,
-            debounce_samples: 1,
-        },
-        deviations: Deviations::NONE,
-    }
-}
 
 fn detector() -> Detector {
     Detector::new(&configuration()).unwrap()
@@ -223,6 +191,13 @@ fn a_configuration_out_of_range_is_refused_by_field() {
     reject(|c| c.evaluation.window = 257, "window");
     reject(|c| c.evaluation.threshold = 0.0, "threshold");
     reject(|c| c.evaluation.start_up_decay = 1.0, "start-up decay");
+    reject(|c| c.actuator.lag_s = -0.1, "actuator lag");
+    reject(|c| c.actuator.lag_s = NAN, "actuator lag");
+    reject(|c| c.actuator.delay_s = -0.01, "actuator delay");
+    reject(|c| c.actuator.delay_s = 2.58, "actuator delay");
+    reject(|c| c.actuator.delay_s = NAN, "actuator delay");
+    reject(|c| c.actuator.rate_limit_rad_per_s = Some(0.0), "actuator rate limit");
+    reject(|c| c.actuator.rate_limit_rad_per_s = Some(f64::INFINITY), "actuator rate limit");
 }
 
 proptest! {

@@ -1,7 +1,7 @@
 //! A design as bytes: the payload of the block that is baked into the library.
 
 use steerguard_detector::{
-    Configuration, ConfigurationError, Deviations, Evaluation, Gains, Gust, Interval,
+    Actuator, Configuration, ConfigurationError, Deviations, Evaluation, Gains, Gust, Interval,
     OperatingRange, RULES, TsModel, Uncertainty, Vehicle,
 };
 use steerguard_fmi2::Archive;
@@ -57,7 +57,7 @@ impl core::error::Error for DesignError {}
 
 impl BakedDesign {
     /// Length of an encoded design, bytes.
-    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 1;
+    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 2;
 
     /// The design as payload for [`steerguard_fmi2::seal`].
     ///
@@ -108,7 +108,7 @@ impl BakedDesign {
         archive.require(magic == MAGIC && version == VERSION);
         archive.bytes(&mut self.hash);
 
-        let Configuration { model, hysteresis, gains, evaluation, deviations } =
+        let Configuration { model, hysteresis, gains, evaluation, actuator, deviations } =
             &mut self.configuration;
         let TsModel { vehicle, sampling_period_s, range } = model;
         for number in [&mut self.beta, &mut self.gamma, &mut self.gap] {
@@ -131,6 +131,7 @@ impl BakedDesign {
             archive.real(number);
         }
         evaluation_fields(evaluation, archive);
+        actuator_fields(actuator, archive);
         deviation_fields(deviations, archive);
     }
 
@@ -177,13 +178,14 @@ impl BakedDesign {
                 debounce_samples: 0,
             },
             deviations: Deviations::NONE,
+            actuator: Actuator::NONE,
         },
     };
 }
 
 /// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation,
-/// deviations.
-const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 7 + 11;
+/// actuator, deviations.
+const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 7 + 3 + 13;
 
 fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
     let Vehicle {
@@ -229,6 +231,13 @@ fn evaluation_fields(evaluation: &mut Evaluation, archive: &mut Archive<'_>) {
     archive.u32(debounce_samples);
 }
 
+fn actuator_fields(actuator: &mut Actuator, archive: &mut Archive<'_>) {
+    let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = actuator;
+    archive.real(lag_s);
+    archive.real(delay_s);
+    archive.optional(rate_limit_rad_per_s, Archive::real);
+}
+
 fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
     let Deviations { euler_correction, uncertainty, smallest_fault } = deviations;
     archive.flag(euler_correction);
@@ -239,6 +248,8 @@ fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
         rear_cornering_stiffness,
         bank_m_per_s2,
         gust: Gust { speed_m_per_s, coefficient_n_s2_per_m2, acting_ahead_m },
+        actuator_lag_s,
+        actuator_delay_s,
     } = uncertainty;
     for number in [
         mass,
@@ -249,6 +260,8 @@ fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
         speed_m_per_s,
         coefficient_n_s2_per_m2,
         acting_ahead_m,
+        actuator_lag_s,
+        actuator_delay_s,
     ]
     .into_iter()
     .chain(smallest_fault)

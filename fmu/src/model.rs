@@ -3,8 +3,8 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    Detector, Initialisation, Input, Measurement, Monitor, Output, Responses, Rms, State,
-    VehicleState,
+    ActuatorState, Detector, Initialisation, Input, Measurement, Monitor, Output, Responses, Rms,
+    State, VehicleState,
 };
 use steerguard_fmi2::types::fmi2Status;
 use steerguard_fmi2::{Archive, Log, Model};
@@ -172,6 +172,10 @@ impl Model for DetectorModel {
             V::RangeYawRateMin => range.r.min,
             V::RangeYawRateMax => range.r.max,
 
+            V::ActuatorLag => configuration.actuator.lag_s,
+            V::ActuatorDelay => configuration.actuator.delay_s,
+            V::ActuatorRateLimit => configuration.actuator.rate_limit_rad_per_s.unwrap_or(0.0),
+
             V::VehicleMass => vehicle.mass_kg,
             V::VehicleYawInertia => vehicle.yaw_inertia_kg_m2,
             V::VehicleLongitudinalInertia => vehicle.effective_longitudinal_inertia_kg_m,
@@ -233,6 +237,9 @@ impl Model for DetectorModel {
             | V::RangeSpeedYMax
             | V::RangeYawRateMin
             | V::RangeYawRateMax
+            | V::ActuatorLag
+            | V::ActuatorDelay
+            | V::ActuatorRateLimit
             | V::VehicleMass
             | V::VehicleYawInertia
             | V::VehicleLongitudinalInertia
@@ -271,15 +278,33 @@ impl Model for DetectorModel {
         for number in self.z_0.iter_mut().chain([&mut self.start_time_s]) {
             archive.finite(number);
         }
-        let window = self.design.configuration.evaluation.window;
-        archive_state(&mut self.detector.state, window, archive);
+        let configuration = &self.design.configuration;
+        let window = configuration.evaluation.window;
+        let actuator = configuration.actuator;
+        let slowest = configuration.deviations.uncertainty.slowest(&actuator);
+        let delays = [actuator, slowest]
+            .map(|actuator| actuator.delay_samples(configuration.model.sampling_period_s));
+        archive_state(&mut self.detector.state, window, delays, archive);
         self.apply_initialisation();
     }
 }
 
-/// Passes the detector's state through `archive`.
-fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
-    let State { sample, z, tracking, armed, rms, start_up, responses, exceedances, output } = state;
+/// Passes the detector's state through `archive`; `window`, and the `delays` of the actuator and of the
+/// slowest one, in samples.
+fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: &mut Archive<'_>) {
+    let State {
+        sample,
+        z,
+        tracking,
+        armed,
+        rms,
+        start_up,
+        responses,
+        actuator,
+        slowest_actuator,
+        exceedances,
+        output,
+    } = state;
     archive.u64(sample);
     for number in z {
         archive.finite(number);
@@ -297,6 +322,9 @@ fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
     }
     archive_rms(uncertainty_rms, window, archive);
     archive_rms(fault_rms, window, archive);
+    for (actuator, delay) in [actuator, slowest_actuator].into_iter().zip(delays) {
+        archive_actuator(actuator, delay, archive);
+    }
     archive.u32(exceedances);
 
     let Output { residual, v_y_hat, j_rms, j_th, detectability, alarm, monitor, first_alarm } =
@@ -311,6 +339,17 @@ fn archive_state(state: &mut State, window: usize, archive: &mut Archive<'_>) {
         &[Monitor::Starting, Monitor::Monitoring, Monitor::OutOfRange, Monitor::InvalidInput],
     );
     archive.optional(first_alarm, |archive, sample| archive.u64(sample));
+}
+
+fn archive_actuator(state: &mut ActuatorState, delay: usize, archive: &mut Archive<'_>) {
+    let ActuatorState { commands, oldest, command, angle } = state;
+    for command in commands.iter_mut().take(delay + 1) {
+        archive.finite(command);
+    }
+    archive.size(oldest);
+    archive.require(*oldest <= delay);
+    archive.optional(command, Archive::finite);
+    archive.finite(angle);
 }
 
 fn archive_rms(rms: &mut Rms, window: usize, archive: &mut Archive<'_>) {

@@ -145,6 +145,16 @@ variables! {
         RangeYawRateMax, "design.range.r_max", "Highest yaw rate of the design range",
             Role::CONSTANT, Kind::real(&unit::RADIAN_PER_SECOND).nominal(0.5);
 
+        // The actuator between u.delta and the road wheel: the names of the reference vehicle, behind
+        // `design.`.
+        ActuatorLag, "design.actuator.lag", "Time constant of the steering actuator, 0 for none",
+            Role::CONSTANT, Kind::real(&unit::SECOND).nominal(0.1);
+        ActuatorDelay, "design.actuator.delay", "Dead time of the steering actuator, 0 for none",
+            Role::CONSTANT, Kind::real(&unit::SECOND).nominal(0.1);
+        ActuatorRateLimit, "design.actuator.rate_limit",
+            "Fastest turn of the road wheel by the actuator, 0 for no limit",
+            Role::CONSTANT, Kind::real(&unit::RADIAN_PER_SECOND).nominal(1.0);
+
         // The vehicle it was designed for.
         VehicleMass, "vehicle.M_v", "Vehicle mass", Role::CONSTANT,
             Kind::real(&unit::KILOGRAM).nominal(1e3);

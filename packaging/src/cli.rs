@@ -175,8 +175,8 @@ pub struct CampaignArguments {
     /// smallest fault of the design
     #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
     pub fault_deg: Option<[f64; 2]>,
-    /// The design's own vehicle with linear tyres on a flat road in still air
-    #[arg(long, conflicts_with_all = ["parameters", "bank", "gust"])]
+    /// The design's own vehicle and actuator with linear tyres on a flat road in still air
+    #[arg(long, conflicts_with_all = ["parameters", "bank", "gust", "actuator_lag", "actuator_delay"])]
     pub nominal: bool,
     /// Largest deviation of mass, yaw inertia and cornering stiffnesses, percent; default: the
     /// intervals of the design's [uncertainty]
@@ -188,6 +188,12 @@ pub struct CampaignArguments {
     /// Fastest gust across the road, m/s; default: the design's
     #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 50>)]
     pub gust: Option<f64>,
+    /// Largest lag of the steering actuator beyond the specified one, s; default: the design's
+    #[arg(long, value_name = "S", value_parser = between::<0, 1>)]
+    pub actuator_lag: Option<f64>,
+    /// Longest dead time of the steering actuator beyond the specified one, s; default: the design's
+    #[arg(long, value_name = "S", value_parser = between::<0, 1>)]
+    pub actuator_delay: Option<f64>,
     /// Standard deviation of the noise on v_x, m/s; default: the design's
     #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
     pub v_x_noise: Option<f64>,

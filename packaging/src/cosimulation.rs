@@ -4,9 +4,11 @@
 //! - Jacobi master: at communication point `t_k = k h` both FMUs get their inputs, then both step
 //!   over h. The detector is given what the plant measures at t_k and the u_k that acts on the plant
 //!   from then on, so what it puts out after the step belongs to sample k, time t_k.
-//! - The plant takes the vehicle that the detector was designed for: every `vehicle.*`, by name.
+//! - The plant takes the vehicle that the detector was designed for: every `vehicle.*`, by name, and
+//!   every `design.actuator.*` as `actuator.*`.
 
 use serde::{Serialize, Serializer};
+use steerguard_detector::Actuator;
 
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
 use crate::scenario::{Scenario, ScenarioError, SensorNoise};
@@ -126,6 +128,9 @@ pub fn run(
         scenario.initial_yaw_rate_rad_per_s,
     ];
     rig.plant.set_real(plant.reals(["initial.v_x", "initial.v_y", "initial.r"])?, initial_state)?;
+    if let Some(actuator) = scenario.actuator {
+        rig.set_actuator(plant, &actuator.actuator())?;
+    }
     let noise = &scenario.sensor_noise;
     if [noise.v_x_std_m_per_s, noise.r_std_rad_per_s] != [0.0, 0.0] {
         rig.set_noise(plant, noise, detector.step_size_s().unwrap_or(step_s))?;
@@ -202,8 +207,15 @@ impl Ports {
     }
 }
 
+/// What the plant calls the detector's constant `name`, where the plant has it as a parameter.
+pub fn name_in_plant(name: &str) -> Option<&str> {
+    let of_plant = name.strip_prefix("design.").unwrap_or(name);
+    let shared = ["vehicle.", "actuator."];
+    shared.iter().any(|prefix| of_plant.starts_with(prefix)).then_some(of_plant)
+}
+
 impl Rig {
-    /// Instantiates both; the plant gets the detector's vehicle.
+    /// Instantiates both; the plant gets the detector's vehicle and actuator.
     ///
     /// # Errors
     /// [`CosimulationError`] if a variable is missing or an FMU refuses.
@@ -211,11 +223,28 @@ impl Rig {
         let ports = Ports::find(detector_fmu, plant_fmu)?;
         let detector = detector_fmu.instantiate("detector")?;
         let mut plant = plant_fmu.instantiate("plant")?;
-        for name in detector_fmu.names().filter(|name| name.starts_with("vehicle.")) {
+        for name in detector_fmu.names() {
+            let Some(of_plant) = name_in_plant(name) else { continue };
             let value = detector.get_real(detector_fmu.reals([name])?)?;
-            plant.set_real(plant_fmu.reals([name])?, value)?;
+            plant.set_real(plant_fmu.reals([of_plant])?, value)?;
         }
         Ok(Self { detector, plant, ports })
+    }
+
+    /// Gives the plant another actuator than the design's.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a parameter is missing or refused.
+    pub fn set_actuator(
+        &mut self,
+        plant_fmu: &Fmu,
+        actuator: &Actuator,
+    ) -> Result<(), CosimulationError> {
+        let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = *actuator;
+        Ok(self.plant.set_real(
+            plant_fmu.reals(["actuator.lag", "actuator.delay", "actuator.rate_limit"])?,
+            [lag_s, delay_s, rate_limit_rad_per_s.unwrap_or(0.0)],
+        )?)
     }
 
     /// Gives the plant's sensors white noise, a new value each `period_s`.

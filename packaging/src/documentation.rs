@@ -50,7 +50,7 @@ pub const PLANT: &str = "\
 <h2>Use</h2>
 <p>The plant integrates with steps of 1 ms and holds its inputs over each of them. Parameters are set
 before initialisation ends; <code>vehicle.*</code> carry the names that the detector gives the vehicle it
-was designed for. <code>fault</code> is added to the angle of the steering actuator.</p>
+was designed for, <code>actuator.*</code> those of its <code>design.actuator.*</code>. <code>fault</code> is added to the angle of the steering actuator.</p>
 ";
 
 /// What the page of `SteeringFaultDetector.fmu` says of it and of the design inside.

@@ -12,8 +12,10 @@
 
 use std::fmt::Write as _;
 
-use steerguard_detector::{Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle};
-use steerguard_plant::dynamics::{Dynamics, Excitation, INTERNAL_STEP_S, PlantState};
+use steerguard_detector::{
+    Actuator, Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle,
+};
+use steerguard_plant::dynamics::{DeadTime, Dynamics, Excitation, INTERNAL_STEP_S, PlantState};
 
 use crate::scenario::Scenario;
 
@@ -48,7 +50,8 @@ pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
     let speed = speed_m_per_s(design);
     let initial =
         [speed, scenario.initial_lateral_speed_m_per_s, scenario.initial_yaw_rate_rad_per_s];
-    let rows = drive(&design.model.vehicle, initial, design.model.sampling_period_s, &scenario);
+    let model = &design.model;
+    let rows = drive(&model.vehicle, &design.actuator, initial, model.sampling_period_s, &scenario);
 
     let mut detector = Detector::new(design)?;
     let mut output = detector.state.output;
@@ -64,7 +67,9 @@ pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
 /// The files of `VehiclePlant.fmu`, for communication steps of `step_s`.
 pub fn plant(vehicle: &Vehicle, speed_m_per_s: f64, step_s: f64) -> Files {
     let (mut inputs, mut outputs) = (table(&PLANT_INPUTS), table(&PLANT_OUTPUTS));
-    for row in drive(vehicle, [speed_m_per_s, 0.0, 0.0], step_s, &Scenario::default()) {
+    for row in
+        drive(vehicle, &Actuator::NONE, [speed_m_per_s, 0.0, 0.0], step_s, &Scenario::default())
+    {
         let Row { time_s, state: [v_x, v_y, r, delta_w], last, next } = row;
         let Excitation { t_eng, delta, fault, side_force, yaw_moment } = next;
         push(&mut inputs, time_s, &[t_eng, delta, fault, side_force, yaw_moment]);
@@ -84,17 +89,25 @@ struct Row {
 }
 
 /// The reference vehicle from `[v_x, v_y, r]` through the scenario.
-fn drive(vehicle: &Vehicle, initial: [f64; 3], step_s: f64, scenario: &Scenario) -> Vec<Row> {
+fn drive(
+    vehicle: &Vehicle,
+    actuator: &Actuator,
+    initial: [f64; 3],
+    step_s: f64,
+    scenario: &Scenario,
+) -> Vec<Row> {
     let [v_x, v_y, r] = initial;
     let dynamics = Dynamics {
         vehicle: *vehicle,
         friction_limited: false,
         friction: 1.0,
-        actuator_lag_s: 0.0,
+        actuator_lag_s: actuator.lag_s,
+        actuator_rate_limit: actuator.rate_limit_rad_per_s.unwrap_or(0.0),
         bank_rad: 0.0,
     };
     let mut last = excitation(scenario, vehicle, v_x, 0.0);
     let mut state = [v_x, v_y, r, last.delta];
+    let mut dead_time = DeadTime::new(actuator.delay_s, last.delta);
     let mut rows = Vec::new();
     let (mut k, mut internal_steps) = (0_u32, 0.0);
     while f64::from(k) * step_s <= DURATION_S + SLACK * step_s {
@@ -103,7 +116,8 @@ fn drive(vehicle: &Vehicle, initial: [f64; 3], step_s: f64, scenario: &Scenario)
         rows.push(Row { time_s, state, last, next });
         k += 1;
         while internal_steps * INTERNAL_STEP_S < f64::from(k) * step_s - SLACK * INTERNAL_STEP_S {
-            state = dynamics.step(state, &next);
+            let delta = dead_time.pass(next.delta);
+            state = dynamics.step(state, &Excitation { delta, ..next });
             internal_steps += 1.0;
         }
         last = next;

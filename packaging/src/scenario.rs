@@ -25,6 +25,11 @@
 //! angular_frequency_rad_per_s = 0.3141592653589793
 //! start_s = 5.0
 //!
+//! # [actuator]                           # of the vehicle; default: the one of the design
+//! # lag_s = 0.1
+//! # delay_s = 0.03
+//! # rate_limit_rad_per_s = 0.5
+//!
 //! [sensor_noise]                         # white, a new value each communication step
 //! v_x_std_m_per_s = 0.02
 //! r_std_rad_per_s = 0.002
@@ -40,6 +45,8 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use steerguard_designer::SpecError;
+use steerguard_designer::spec::ActuatorTable;
 
 /// More communication points than this are taken for a mistake.
 const MAX_STEPS: f64 = 1e7;
@@ -61,6 +68,9 @@ pub enum ScenarioError {
     /// The file is not TOML, or a key is unknown or of the wrong type.
     #[error("{0}")]
     Syntax(#[from] toml::de::Error),
+    /// The actuator is not possible.
+    #[error(transparent)]
+    Actuator(#[from] SpecError),
     /// A value is out of its range.
     #[error("`{key}` is {value}, must be {allowed}")]
     Value {
@@ -155,6 +165,9 @@ pub struct Scenario {
     pub side_wind_m_per_s2: Signal,
     /// Angle added by the faulty actuator at the road wheel, degrees.
     pub steering_fault_deg: Signal,
+    /// The vehicle's steering actuator; the design's own if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<ActuatorTable>,
     /// Noise on what the detector is told of v_x and r.
     pub sensor_noise: SensorNoise,
 }
@@ -190,6 +203,7 @@ impl Default for Scenario {
                 start_s: 5.0,
                 ..Signal::default()
             },
+            actuator: None,
             sensor_noise: SensorNoise { v_x_std_m_per_s: 0.02, r_std_rad_per_s: 0.002, seed: 1 },
         }
     }
@@ -282,6 +296,9 @@ impl Scenario {
                 return error(key, signal, "finite, with a positive reference speed");
             }
         }
+        if let Some(actuator) = &self.actuator {
+            actuator.check(ActuatorTable::LARGEST_DELAY_S)?;
+        }
         Ok(())
     }
 }
@@ -334,6 +351,8 @@ mod tests {
             ("initial_speeds_m_per_s = [6, -1]", "initial_speeds_m_per_s"),
             ("side_wind_lever_arm_m = inf", "side_wind_lever_arm_m"),
             ("[steering_fault_deg]\nsize = 1", "size"),
+            ("[actuator]\nlag = 0.1", "lag_s"),
+            ("[actuator]\ndelay_s = 0.6", "actuator.delay_s"),
             ("[steering_angle_rad]\nreference_speed_m_per_s = 0", "steering_angle_rad"),
         ] {
             let message = Scenario::parse(text).unwrap_err().to_string();

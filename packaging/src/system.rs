@@ -5,7 +5,7 @@
 //! - Connectors have the names of the FMU variables. An input that both FMUs have, and every other
 //!   input of the vehicle, is an input of the system; every output of the detector is an output of it.
 //! - The parameter set belongs to the system: its names are `<component>.<variable>`. It gives the
-//!   vehicle that the detector was designed for, its state at the start, and the drive torque that
+//!   vehicle and the actuator that the detector was designed for, its state at the start, and the drive torque that
 //!   holds its speed.
 
 use std::collections::BTreeSet;
@@ -22,6 +22,7 @@ use steerguard_model_description::{
 use steerguard_plant::PlantModel;
 
 use crate::archive::Archive;
+use crate::cosimulation::name_in_plant;
 use crate::package::{PackageError, STOP_TIME_S, detector_fmu, plant_fmu};
 use crate::reference;
 use crate::runtime::Runtimes;
@@ -86,9 +87,9 @@ fn parameters(design: &BakedDesign) -> Result<Vec<Parameter>, PackageError> {
     let scenario = Scenario::default();
     let speed = reference::speed_m_per_s(configuration);
     let model = DetectorModel::new(&design.encode()?).map_err(PackageError::Model)?;
-    let vehicle = |name: &str| {
+    let of_design = |name: &str| {
         let variables = <DetectorModel as Model>::Variable::ALL.iter().zip(DETECTOR_TABLE);
-        let mut found = variables.filter(|(_, row)| row.name == name);
+        let mut found = variables.filter(|(_, row)| name_in_plant(row.name) == Some(name));
         found.next().map(|(variable, _)| model.get(*variable))
     };
     let mut parameters = Vec::new();
@@ -101,7 +102,7 @@ fn parameters(design: &BakedDesign) -> Result<Vec<Parameter>, PackageError> {
             }
             "initial.r" => (format!("{PLANT}.{}", row.name), scenario.initial_yaw_rate_rad_per_s),
             "u.T_eng" => (row.name.to_owned(), configuration.model.vehicle.cruise_torque(speed)),
-            name => match name.starts_with("vehicle.").then(|| vehicle(name)).flatten() {
+            name => match of_design(name) {
                 Some(Value::Real(value)) => (format!("{PLANT}.{name}"), value),
                 _ => continue,
             },

@@ -7,22 +7,26 @@ mod common;
 mod fmu;
 
 use steerguard::campaign::drive::Drive;
+use steerguard::campaign::manoeuvre::Manoeuvre;
 use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
 use steerguard::cosimulation::Sample;
 use steerguard::package::{detector_fmu, plant_fmu};
 use steerguard::runtime::Runtimes;
-use steerguard_detector::{Interval, Vehicle};
+use steerguard_designer::spec::UncertaintyTable;
+use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
 
 use fmu::open;
 
 const SUBJECT: Subject = Subject {
     vehicle: Vehicle::PAPER,
+    actuator: Actuator::NONE,
     period_s: 0.01,
     armed_v_x: Interval::new(5.5, 29.5),
     lateral_acceleration_m_per_s2: 3.0,
     steering_rate_rad_per_s: 0.3,
     smallest_fault_deg: 0.5,
+    gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
 };
 
 const SETTINGS: Settings = Settings {
@@ -93,6 +97,40 @@ fn steps_allocate_nothing() {
         }
     }
     assert!(quiet_drives >= 3, "{quiet_drives}");
+}
+
+/// The plant has the actuator of the drive: one that the detector does not know of shows.
+#[test]
+fn drives_are_driven_through_their_actuator() {
+    let actuator = Actuator { lag_s: 0.1, delay_s: 0.05, rate_limit_rad_per_s: Some(0.2) };
+    let (mut knowing, unaware) = (common::design(), bench());
+    knowing.configuration.actuator = actuator;
+    let knowing = TestBench {
+        detector: open(&detector_fmu(&knowing, &Runtimes::detector()).unwrap()),
+        plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
+        subject: Subject { actuator, ..SUBJECT },
+    };
+    let unaware = TestBench { subject: knowing.subject, ..unaware };
+    let drive = Drive {
+        manoeuvre: Manoeuvre::DoubleLaneChange,
+        speed_m_per_s: 10.0,
+        v_x_noise_m_per_s: 0.0,
+        r_noise_rad_per_s: 0.0,
+        v_x_bias_m_per_s: 0.0,
+        r_bias_rad_per_s: 0.0,
+        ..Drive::draw(
+            &Settings { faults: FaultMix::None, uncertainty: Uncertainty::NOMINAL, ..SETTINGS },
+            &knowing.subject,
+            0,
+        )
+    };
+    assert_eq!((drive.actuator_lag_s, drive.actuator_delay_s), (0.1, 0.05));
+    let [by_knowing, by_unaware] = [&knowing, &unaware].map(|bench| {
+        let mut largest = 0.0_f64;
+        bench.run(&drive, |sample| largest = largest.max(sample.j_rms)).unwrap();
+        largest
+    });
+    assert!(by_unaware > 5.0 * by_knowing, "{by_knowing}, {by_unaware}");
 }
 
 /// What the detector is given is what the drive says.

@@ -83,7 +83,7 @@ def test_fmus_inside_are_the_packaged_ones(system, fixtures):
             assert archive.read(f"resources/{fmu}.fmu") == (fixtures / f"{fmu}.fmu").read_bytes()
 
 
-def test_parameters_are_the_vehicle_of_the_design(structure, parameters, detector, design):
+def test_parameters_are_the_vehicle_and_actuator_of_the_design(structure, parameters, detector, design):
     binding = structure.system.parameterBindings
     assert [b.source for b in binding] == [PARAMETERS]
     values = {p.name: float(p.value) for p in parameters.parameters}
@@ -93,10 +93,15 @@ def test_parameters_are_the_vehicle_of_the_design(structure, parameters, detecto
         found = instance.get(names)
         assert set(names) == {n for n in instance.variables if n.startswith("vehicle.")}
     assert {n: values[f"plant.{n}"] for n in names} == found
+    actuator = ["lag", "delay", "rate_limit"]
+    with detector.instance() as instance:
+        found = instance.get([f"design.actuator.{n}" for n in actuator])
+    assert [values[f"plant.actuator.{n}"] for n in actuator] == list(found.values())
     slowest, fastest = design["premise"]["v_x_m_per_s"]
     assert slowest < values["plant.initial.v_x"] < fastest
     assert set(values) - vehicle == {
         "u.T_eng", "plant.initial.v_x", "plant.initial.v_y", "plant.initial.r",
+        *(f"plant.actuator.{n}" for n in actuator),
     }  # fmt: skip
 
 

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{Gust, Uncertainty};
 
+use super::ActuatorTable;
 use super::channel::GRAVITY;
 use crate::spec_error::{Allowed, SpecError};
 
@@ -24,6 +25,10 @@ pub struct UncertaintyTable {
     pub front_cornering_stiffness_percent: [f64; 2],
     /// Cornering stiffness of a rear tyre, friction included; default [-10, 10].
     pub rear_cornering_stiffness_percent: [f64; 2],
+    /// Largest lag of the steering actuator beyond `actuator.lag_s`; default 0.
+    pub actuator_lag_s: f64,
+    /// Longest dead time of the steering actuator beyond `actuator.delay_s`; default 0.
+    pub actuator_delay_s: f64,
     /// Steepest bank of the road, to either side; default 3.
     pub bank_deg: f64,
     /// Fastest gust across the road, from either side; default 10.
@@ -44,6 +49,8 @@ impl Default for UncertaintyTable {
             yaw_inertia_percent: ten,
             front_cornering_stiffness_percent: ten,
             rear_cornering_stiffness_percent: ten,
+            actuator_lag_s: 0.0,
+            actuator_delay_s: 0.0,
             bank_deg: 3.0,
             gust_m_per_s: 10.0,
             gust_acting_ahead_m: 0.25,
@@ -60,6 +67,8 @@ impl UncertaintyTable {
         yaw_inertia_percent: [0.0, 0.0],
         front_cornering_stiffness_percent: [0.0, 0.0],
         rear_cornering_stiffness_percent: [0.0, 0.0],
+        actuator_lag_s: 0.0,
+        actuator_delay_s: 0.0,
         bank_deg: 0.0,
         gust_m_per_s: 0.0,
         gust_acting_ahead_m: 0.25,
@@ -108,11 +117,18 @@ impl UncertaintyTable {
             rear_cornering_stiffness: of_stiffness(self.rear_cornering_stiffness_percent),
             bank_m_per_s2: Self::bank_m_per_s2(self.bank_deg),
             gust: self.gust(),
+            actuator_lag_s: self.actuator_lag_s,
+            actuator_delay_s: self.actuator_delay_s,
         }
     }
 
-    /// Checks every value.
-    pub(super) fn check(&self) -> Result<(), SpecError> {
+    /// Checks every value, for a further dead time of at most `largest_delay_s`.
+    pub(super) fn check(&self, largest_delay_s: f64) -> Result<(), SpecError> {
+        let largest_lag_s = ActuatorTable::LARGEST_LAG_S;
+        Allowed::between(0.0, largest_lag_s)
+            .check("uncertainty.actuator_lag_s", self.actuator_lag_s)?;
+        Allowed::between(0.0, largest_delay_s)
+            .check("uncertainty.actuator_delay_s", self.actuator_delay_s)?;
         for (key, interval) in [
             ("mass_percent", self.mass_percent),
             ("yaw_inertia_percent", self.yaw_inertia_percent),

@@ -13,7 +13,8 @@ use std::ptr;
 use std::sync::LazyLock;
 
 use steerguard_detector::{
-    Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, TsModel, Vehicle,
+    Actuator, Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, TsModel,
+    Vehicle,
 };
 use steerguard_fmi2::Block;
 use steerguard_fmi2::types::*;
@@ -66,6 +67,7 @@ pub fn design() -> BakedDesign {
             gains,
             evaluation,
             deviations: Deviations::NONE,
+            actuator: Actuator { lag_s: 0.05, delay_s: 0.037, rate_limit_rad_per_s: Some(0.4) },
         },
     }
 }

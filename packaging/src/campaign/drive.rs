@@ -90,6 +90,10 @@ record! {
         pub rear_cornering_stiffness_n_per_rad: f64,
         /// Friction coefficient; empty where the tyres are linear.
         pub friction: Option<f64>,
+        /// Lag of the steering actuator driven.
+        pub actuator_lag_s: f64,
+        /// Dead time of the steering actuator driven.
+        pub actuator_delay_s: f64,
 
         /// Kind of the fault.
         pub fault: FaultKind,
@@ -131,7 +135,7 @@ impl Drive {
         let stops = manoeuvre == Manoeuvre::StopAndGo;
 
         let bounds = uncertainty.bounds;
-        let vehicle = &subject.vehicle;
+        let (vehicle, actuator) = (&subject.vehicle, &subject.actuator);
         let mut perturbed = |quantity, nominal: f64, [min, max]: [f64; 2]| {
             nominal * (1.0 + draw.uniform(quantity, min / 100.0, max / 100.0))
         };
@@ -190,6 +194,10 @@ impl Drive {
             front_cornering_stiffness_n_per_rad,
             rear_cornering_stiffness_n_per_rad,
             friction: saturated.then(|| between(&mut draw, Quantity::Friction, FRICTION)),
+            actuator_lag_s: actuator.lag_s
+                + draw.uniform(Quantity::ActuatorLag, 0.0, bounds.actuator_lag_s),
+            actuator_delay_s: actuator.delay_s
+                + draw.uniform(Quantity::ActuatorDelay, 0.0, bounds.actuator_delay_s),
 
             fault,
             onset_s: (fault != FaultKind::None).then(|| between(&mut draw, Quantity::Onset, onset)),
@@ -212,6 +220,7 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use steerguard_detector::Actuator;
 
     use super::*;
     use crate::campaign::settings::Uncertainty;
@@ -248,6 +257,8 @@ mod tests {
                 vehicle.rear_cornering_stiffness_n_per_rad
             ));
             prop_assert!(optional(drive.friction, FRICTION));
+            prop_assert!(within(drive.actuator_lag_s, [0.0, 0.02]));
+            prop_assert!(within(drive.actuator_delay_s, [0.0, 0.03]));
             prop_assert!(optional(drive.onset_s, [6.0 - 1e-9, 42.0]));
             prop_assert!(optional(drive.fault_deg.map(f64::abs), SETTINGS.fault_deg));
         }
@@ -285,6 +296,8 @@ mod tests {
                 rear_cornering_stiffness_n_per_rad:
                     PAPER.vehicle.rear_cornering_stiffness_n_per_rad,
                 friction: None,
+                actuator_lag_s: 0.0,
+                actuator_delay_s: 0.0,
                 ..drive.clone()
             });
             let healthy = draw(&Settings { faults: FaultMix::None, ..SETTINGS }, index);
@@ -298,6 +311,20 @@ mod tests {
                 fault_delay_s: None,
                 ..drive
             });
+        }
+    }
+
+    #[test]
+    fn the_actuator_is_the_design_s_and_slower() {
+        let actuator = Actuator { lag_s: 0.1, delay_s: 0.2, rate_limit_rad_per_s: None };
+        let subject = Subject { actuator, ..PAPER };
+        let nominal = Settings { uncertainty: Uncertainty::NOMINAL, ..SETTINGS };
+        for index in 0..100 {
+            let drive = Drive::draw(&SETTINGS, &subject, index);
+            assert!((0.1..=0.12).contains(&drive.actuator_lag_s));
+            assert!((0.2..=0.23).contains(&drive.actuator_delay_s));
+            let drive = Drive::draw(&nominal, &subject, index);
+            assert_eq!((drive.actuator_lag_s, drive.actuator_delay_s), (0.1, 0.2));
         }
     }
 

@@ -1,9 +1,9 @@
 //! Faults of the steering actuator, as the angle they add at the road wheel.
 //!
 //! # Conventions
-//! - delta is the commanded, delta_w the actual road-wheel angle, both in rad; the fault is
-//!   `f = delta_w - delta`. The command is a function of time, so what sticks, lags or is lost is
-//!   computed from it.
+//! - delta is the road-wheel angle of the healthy actuator, the command where it has neither lag nor
+//!   dead time, delta_w the actual one, both in rad; the fault is `f = delta_w - delta`. delta is a
+//!   function of time, so what sticks, lags or is lost is computed from it.
 
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ named! {
         Bias = "bias",
         /// An angle that grows in proportion to time up to its size.
         Drift = "drift",
-        /// The wheel stays where it was commanded to be at the onset.
+        /// The wheel stays where it was at the onset.
         Stuck = "stuck",
         /// The wheel follows a share of the command.
         LossOfEffectiveness = "loss of effectiveness",
@@ -30,7 +30,7 @@ named! {
     }
 }
 
-/// Angle in rad that the fault of `drive` adds at time `t` under the command `steering`.
+/// Angle in rad that the fault of `drive` adds at time `t` to the healthy actuator's `steering`.
 pub fn angle_rad(drive: &Drive, t: f64, steering: impl Fn(f64) -> f64) -> f64 {
     let Some(onset_s) = drive.onset_s else { return 0.0 };
     let since_s = t - onset_s;

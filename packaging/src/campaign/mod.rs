@@ -20,6 +20,7 @@ pub mod signals;
 pub mod simulation;
 pub mod statistics;
 pub mod table;
+pub mod wheel;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -35,6 +35,8 @@ pub enum Quantity {
     RearStiffness = 35,
     Saturation = 36,
     Friction = 37,
+    ActuatorLag = 38,
+    ActuatorDelay = 39,
     Fault = 48,
     FaultSize = 49,
     FaultSign = 50,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use steerguard_designer::spec::{Fault, UncertaintyTable};
 use steerguard_designer::{Design, Spec};
-use steerguard_detector::{Gust, Interval, Vehicle};
+use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
 
 /// Settings of a campaign: with a design, they say everything about its drives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -79,6 +79,8 @@ impl Sensors {
 pub struct Subject {
     /// The vehicle it is made for.
     pub vehicle: Vehicle,
+    /// The steering actuator it is made for.
+    pub actuator: Actuator,
     /// Sampling period, the communication step of the drives, s.
     pub period_s: f64,
     /// Speeds at which it arms, m/s.
@@ -106,6 +108,7 @@ impl Subject {
         let [v_x_hysteresis, ..] = range.hysteresis();
         Self {
             vehicle: design.vehicle,
+            actuator: spec.actuator.actuator(),
             period_s: design.sampling_period_s,
             armed_v_x: range.range().v_x.shrunk(v_x_hysteresis),
             lateral_acceleration_m_per_s2: calibration
@@ -126,6 +129,7 @@ pub(super) mod tests {
 
     pub const PAPER: Subject = Subject {
         vehicle: Vehicle::PAPER,
+        actuator: Actuator::NONE,
         period_s: 0.01,
         armed_v_x: Interval::new(5.5, 29.5),
         lateral_acceleration_m_per_s2: 3.0,
@@ -148,6 +152,8 @@ pub(super) mod tests {
                 rear_cornering_stiffness_percent: [-10.0, 10.0],
                 bank_deg: 3.0,
                 gust_m_per_s: 10.0,
+                actuator_lag_s: 0.02,
+                actuator_delay_s: 0.03,
                 ..UncertaintyTable::NONE
             },
             saturation: true,

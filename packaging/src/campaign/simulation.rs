@@ -1,11 +1,14 @@
 //! One drive through the packaged FMUs.
 
+use steerguard_detector::{Actuator, Gust};
+
 use super::drive::Drive;
 use super::fault;
 use super::gust;
 use super::manoeuvre::Course;
 use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
+use super::wheel::Wheel;
 use crate::cosimulation::{CosimulationError, Excitation, Rig, Sample};
 use crate::importer::{Fmu, Type};
 use crate::scenario::SensorNoise;
@@ -33,9 +36,16 @@ impl TestBench {
         let step_s = self.subject.period_s;
         let steps = libm::round(drive.duration_s / step_s) as u32;
         let course = Course::of(drive, &self.subject);
+        let actuator = Actuator {
+            lag_s: drive.actuator_lag_s,
+            delay_s: drive.actuator_delay_s,
+            ..self.subject.actuator
+        };
+        let wheel = Wheel::new(&course, &actuator, step_s, steps);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
-        let excite = |t, v_x| excitation(drive, &self.subject, &course, t, v_x);
+        rig.set_actuator(&self.plant, &actuator)?;
+        let excite = |t, v_x| excitation(drive, self.subject.gust, &course, &wheel, t, v_x);
         rig.initialise(drive.duration_s, &excite(0.0, drive.speed_m_per_s))?;
 
         let mut observation = Observation::default();
@@ -80,12 +90,19 @@ impl TestBench {
 }
 
 /// What acts at time `t` at the speed `v_x` that the plant gives.
-fn excitation(drive: &Drive, subject: &Subject, course: &Course, t: f64, v_x: f64) -> Excitation {
-    let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, subject.gust, t, v_x);
+fn excitation(
+    drive: &Drive,
+    gust: Gust,
+    course: &Course,
+    wheel: &Wheel,
+    t: f64,
+    v_x: f64,
+) -> Excitation {
+    let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, gust, t, v_x);
     Excitation {
         drive_torque: course.drive_torque_n_m(t, v_x),
         steering_angle: course.steering_rad(t),
-        fault: fault::angle_rad(drive, t, |t| course.steering_rad(t)),
+        fault: fault::angle_rad(drive, t, |t| wheel.angle_rad(t)),
         side_force,
         yaw_moment,
         sensor_bias: [drive.v_x_bias_m_per_s, drive.r_bias_rad_per_s],

@@ -96,6 +96,8 @@ fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> Uncert
         }
     }
     bounds.bank_deg = arguments.bank.unwrap_or(bounds.bank_deg);
+    bounds.actuator_lag_s = arguments.actuator_lag.unwrap_or(bounds.actuator_lag_s);
+    bounds.actuator_delay_s = arguments.actuator_delay.unwrap_or(bounds.actuator_delay_s);
     bounds.gust_m_per_s = arguments.gust.unwrap_or(bounds.gust_m_per_s);
     bounds
 }

@@ -1,6 +1,6 @@
 //! A design that needs no solver: a stable observer without E, for tests of everything around it.
 
-use steerguard_detector::{Configuration, Deviations, Evaluation, Gains, TsModel};
+use steerguard_detector::{Actuator, Configuration, Deviations, Evaluation, Gains, TsModel};
 use steerguard_fmu::BakedDesign;
 
 pub fn design() -> BakedDesign {
@@ -34,6 +34,7 @@ pub fn design() -> BakedDesign {
                 debounce_samples: 1,
             },
             deviations: Deviations::NONE,
+            actuator: Actuator::NONE,
         },
     }
 }

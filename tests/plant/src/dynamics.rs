@@ -1,19 +1,19 @@
 //! Continuous dynamics of the reference vehicle, and its integration.
 //!
 //! (1)-(2) of the paper with what the detector does not know of: steering fault, disturbances, road
-//! bank, an actuator with lag and dead time, tyres that saturate.
+//! bank, an actuator with dead time, lag and rate limit, tyres that saturate.
 //!
 //! # Conventions
 //! - As the detector's: ISO 8855 axes, SI units, angles at the road wheel.
 //! - Internal state `[v_x, v_y, r, delta_w]`, delta_w being the actuator's angle before the fault.
 
-use steerguard_detector::{Vehicle, rk4};
+use steerguard_detector::{Vehicle, VehicleState, rk4};
 
 /// Step of the Runge-Kutta integration, s.
 pub const INTERNAL_STEP_S: f64 = 1e-3;
 
 /// Longest dead time of the actuator, internal steps.
-pub const MAX_DEAD_TIME_STEPS: usize = 500;
+pub const MAX_DEAD_TIME_STEPS: usize = 1500;
 
 /// Below this speed, m/s, slip angles are taken at this speed: 1/v_x has no meaning at standstill.
 pub const SLIP_SPEED_FLOOR_M_PER_S: f64 = 0.5;
@@ -47,8 +47,11 @@ pub struct Dynamics {
     pub friction_limited: bool,
     /// Friction coefficient.
     pub friction: f64,
-    /// Time constant of the steering actuator's first-order lag, s; 0 for none.
+    /// Time constant of the steering actuator's first-order lag, s; below an internal step there is
+    /// none.
     pub actuator_lag_s: f64,
+    /// Fastest turn of the road wheel by the actuator, rad/s; 0 for no limit.
+    pub actuator_rate_limit: f64,
     /// Road bank, rad, positive where gravity pulls to the left.
     pub bank_rad: f64,
 }
@@ -56,14 +59,26 @@ pub struct Dynamics {
 impl Dynamics {
     /// The state one internal step later.
     pub fn step(&self, mut state: PlantState, excitation: &Excitation) -> PlantState {
-        if self.actuator_lag_s <= 0.0 {
+        let limit = self.actuator_rate_limit;
+        let limited = |rate: f64| if limit > 0.0 { rate.max(-limit).min(limit) } else { rate };
+        let lag_s = self.actuator_lag_s;
+        let lags = lag_s >= INTERNAL_STEP_S;
+        if !lags && limit <= 0.0 {
             state[3] = excitation.delta;
         }
+        // Without lag the angle moves evenly, to arrive with the step if the limit lets it.
+        let even = limited((excitation.delta - state[3]) / INTERNAL_STEP_S);
+        let wheel_rate =
+            |delta_w| if lags { limited((excitation.delta - delta_w) / lag_s) } else { even };
         let bank_m_per_s2 = GRAVITY_M_PER_S2 * libm::sin(self.bank_rad);
-        rk4(|x| self.derivative(x, excitation, bank_m_per_s2), state, INTERNAL_STEP_S)
+        let derivative = |x: PlantState| {
+            let [v_x, v_y, r] = self.derivative(x, excitation, bank_m_per_s2);
+            [v_x, v_y, r, wheel_rate(x[3])]
+        };
+        rk4(derivative, state, INTERNAL_STEP_S)
     }
 
-    /// `dx/dt` on a road whose bank accelerates the vehicle sideways by `bank_m_per_s2`.
+    /// `d[v_x, v_y, r]/dt` on a road whose bank accelerates the vehicle sideways by `bank_m_per_s2`.
     // Inlined: between the stages of rk4 the state stays in registers, a quarter of the time saved.
     #[inline(always)]
     fn derivative(
@@ -71,17 +86,15 @@ impl Dynamics {
         [v_x, v_y, r, delta_w]: PlantState,
         e: &Excitation,
         bank_m_per_s2: f64,
-    ) -> PlantState {
+    ) -> VehicleState {
         let vehicle = &self.vehicle;
         let at_speed = [v_x.max(SLIP_SPEED_FLOOR_M_PER_S), v_y, r];
         let forces = self.saturate(vehicle.axle_forces(at_speed, delta_w + e.fault));
         let [v_x_dot, v_y_dot, r_dot] = vehicle.derivative_under([v_x, v_y, r], e.t_eng, forces);
-        let lag_s = self.actuator_lag_s;
         [
             v_x_dot,
             v_y_dot + e.side_force / vehicle.mass_kg + bank_m_per_s2,
             r_dot + e.yaw_moment / vehicle.yaw_inertia_kg_m2,
-            if lag_s > 0.0 { (e.delta - delta_w) / lag_s } else { 0.0 },
         ]
     }
 
@@ -143,6 +156,7 @@ mod tests {
         friction_limited: false,
         friction: 0.3,
         actuator_lag_s: 0.0,
+        actuator_rate_limit: 0.0,
         bank_rad: 0.0,
     };
 
@@ -193,10 +207,34 @@ mod tests {
     }
 
     #[test]
+    fn a_limited_actuator_ramps_then_lags() {
+        let excitation = Excitation { delta: 0.05, ..Excitation::default() };
+        let angle = |actuator_lag_s, steps| {
+            let limited = Dynamics { actuator_lag_s, actuator_rate_limit: 0.2, ..LINEAR };
+            run(&limited, &excitation, steps)[3]
+        };
+        assert!((angle(0.0, 100) - 0.02).abs() < 1e-12);
+        assert!((angle(0.0, 250) - 0.05).abs() < 1e-12);
+        assert!((angle(0.0, 1000) - 0.05).abs() < 1e-12);
+        // Behind by more than 0.1 s x 0.2 rad/s for 0.15 s, then by that times exp(-t / 0.1 s).
+        assert!((angle(0.1, 150) - 0.03).abs() < 1e-12);
+        assert!((angle(0.1, 250) - (0.05 - 0.02 * (-1.0_f64).exp())).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_shortest_lags_are_stable() {
+        for actuator_lag_s in [1e-9, 1e-4, 9e-4, 1e-3] {
+            let excitation = Excitation { delta: 0.02, ..Excitation::default() };
+            let [.., delta_w] = run(&Dynamics { actuator_lag_s, ..LINEAR }, &excitation, 20);
+            assert!((delta_w - 0.02).abs() < 1e-9, "{actuator_lag_s}: {delta_w}");
+        }
+    }
+
+    #[test]
     fn dead_time_delays_by_its_duration() {
-        for steps in [0_u16, 1, 7, 500] {
+        for steps in [0_u16, 1, 7, 1500] {
             let mut dead_time = DeadTime::new(f64::from(steps) * INTERNAL_STEP_S, -1.0);
-            for k in 0..1200 {
+            for k in 0..3600 {
                 let expected = if k < steps { -1.0 } else { f64::from(k - steps) };
                 assert_eq!(dead_time.pass(f64::from(k)), expected);
             }

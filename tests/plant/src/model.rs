@@ -59,6 +59,7 @@ impl Settings {
 
             V::Friction => &mut dynamics.friction,
             V::ActuatorLag => &mut dynamics.actuator_lag_s,
+            V::ActuatorRateLimit => &mut dynamics.actuator_rate_limit,
             V::ActuatorDelay => &mut self.dead_time_s,
             V::Bank => &mut dynamics.bank_rad,
             V::NoiseSpeedX => &mut self.noise_v_x,
@@ -115,6 +116,7 @@ impl Model for PlantModel {
                     friction_limited: false,
                     friction: 0.9,
                     actuator_lag_s: 0.0,
+                    actuator_rate_limit: 0.0,
                     bank_rad: 0.0,
                 },
                 dead_time_s: 0.0,
@@ -215,7 +217,7 @@ impl Model for PlantModel {
         archive.size(steps);
         archive.size(oldest);
         archive.require(*steps <= MAX_DEAD_TIME_STEPS && *oldest < (*steps).max(1));
-        for angle in angles {
+        for angle in angles.iter_mut().take(*steps) {
             archive.finite(angle);
         }
         for value in &mut self.state {

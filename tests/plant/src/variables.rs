@@ -93,11 +93,16 @@ variables! {
             Role::FIXED_PARAMETER, Kind::Boolean;
         Friction, "tyre.friction", "Friction coefficient, used if tyre.friction_limited",
             Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(0.01).max(3.0).nominal(1.0);
-        ActuatorLag, "actuator.lag", "Time constant of the steering actuator, 0 for none",
+        ActuatorLag, "actuator.lag",
+            "Time constant of the steering actuator; below a millisecond there is none",
             Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(10.0).nominal(0.1);
         ActuatorDelay, "actuator.delay",
             "Dead time of the steering actuator in whole milliseconds, 0 for none",
-            Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(0.5).nominal(0.1);
+            Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(1.5).nominal(0.1);
+        ActuatorRateLimit, "actuator.rate_limit",
+            "Fastest turn of the road wheel by the steering actuator, 0 for no limit",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::RADIAN_PER_SECOND).min(0.0).max(100.0).nominal(1.0);
         Bank, "road.bank", "Road bank, positive where gravity pulls to the left",
             Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(-1.0).max(1.0).nominal(0.05);
         NoiseSpeedX, "noise.v_x", "Standard deviation of the white noise on v_x",

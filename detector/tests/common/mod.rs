@@ -1,0 +1,36 @@
+//! A detector's numbers that need no solver.
+
+use steerguard_detector::{Actuator, Configuration, Deviations, Evaluation, Gains, TsModel};
+
+/// A stable observer without E: N_i keeps the lateral dynamics and contracts the measured states.
+pub fn configuration() -> Configuration {
+    let model = TsModel::PAPER;
+    let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let contraction = 0.5;
+    let gains = Gains {
+        n: model.vertices().map(|a| {
+            [[contraction, a[0][1], 0.0], [0.0, a[1][1], 0.0], [0.0, a[2][1], contraction]]
+        }),
+        l: model
+            .vertices()
+            .map(|_| [[1.0 - contraction, 0.0], [0.0, 0.0], [0.0, 1.0 - contraction]]),
+        m: identity,
+        e: [[0.0; 2]; 3],
+    };
+    Configuration {
+        model,
+        hysteresis: [0.5, 0.25, 0.05],
+        gains,
+        evaluation: Evaluation {
+            window: 40,
+            weights: [1.0, 1.0],
+            threshold: 1e-3,
+            uncertainty_share: 1.0,
+            start_up_amplitude: 0.1,
+            start_up_decay: 0.97,
+            debounce_samples: 1,
+        },
+        actuator: Actuator::NONE,
+        deviations: Deviations::NONE,
+    }
+}
