@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use steerguard_detector::{
-    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Gust, Monitor, Vehicle,
-    VehicleState, rk4,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Evaluation, Gust,
+    Monitor, Output, Vehicle, VehicleState, rk4,
 };
 
 use crate::gust::Gusts;
@@ -73,10 +73,10 @@ impl Wave {
 /// Which vehicles are driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Population {
-    /// The specified one, on a flat road in still air. The statistic is J minus the threshold's start-up
-    /// term.
+    /// The specified one, on a flat road in still air. The statistic is J less the start-up term.
     Specified,
-    /// Vehicles, banks and gusts drawn evenly from what is uncertain. The statistic is J / J_th.
+    /// Vehicles, banks and gusts drawn evenly from what is uncertain. The statistic is J over J_th,
+    /// each less the start-up term.
     Uncertain,
 }
 
@@ -187,12 +187,14 @@ pub fn calibrate(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Option<Level>, ConfigurationError> {
     let detector = Detector::new(configuration)?;
+    let evaluation = &configuration.evaluation;
     let mut outcomes = Vec::with_capacity(drives.len());
     for part in drives.chunks(DRIVES_AT_A_TIME) {
         let done = outcomes.len();
         let drives = part.par_iter().enumerate();
-        outcomes
-            .par_extend(drives.map(|(k, drive)| run(spec, detector, drive, done + k, population)));
+        outcomes.par_extend(
+            drives.map(|(k, drive)| run(spec, evaluation, detector, drive, done + k, population)),
+        );
         progress(outcomes.len());
     }
     // Of equal levels the first drive's.
@@ -225,6 +227,7 @@ struct Outcome {
 /// Simulates drive number `index`, which seeds its sensor noise and its vehicle.
 fn run(
     spec: &Spec,
+    evaluation: &Evaluation,
     mut detector: Detector,
     drive: &Drive,
     index: usize,
@@ -238,7 +241,6 @@ fn run(
     let steps = (t_s / INTEGRATION_STEP_S).ceil().max(1.0);
     let step = t_s / steps;
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
-    let steady_threshold = detector.state.output.j_th;
     let mut noise = SensorNoise::new(&spec.noise, index);
     let mut wheel = Wheel::new(&world.actuator, t_s, step);
 
@@ -255,9 +257,11 @@ fn run(
         let output = detector.sample(measured, [t_eng, command(k)]);
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
+            let Output { j_rms, j_th, .. } = *output;
+            let start_up_term = detector.state.start_up.term(evaluation);
             let level = match population {
-                Population::Specified => output.j_rms - (output.j_th - steady_threshold),
-                Population::Uncertain => output.j_rms / output.j_th,
+                Population::Specified => j_rms - start_up_term,
+                Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
             };
             outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
         }

@@ -125,7 +125,7 @@ pub struct EvaluationDesign {
     /// The largest fault-free J, less the start-up term, of the specified vehicle; its drives are
     /// described in `spec.evaluation.calibration`. Null for kind "constant".
     pub calibration: Option<Level>,
-    /// The largest ratio of J to that level and the bound, in the same drives of uncertain vehicles.
+    /// The largest ratio of J, less the start-up term, to that level and the bound, in the same drives of uncertain vehicles.
     /// Null but for kind "adaptive".
     pub uncertain: Option<Level>,
 }

@@ -96,6 +96,11 @@ impl StartUp {
             // The window has left the start: each of its terms shrinks by the same factor.
             self.sum *= decay_squared;
         }
+        self.term(evaluation)
+    }
+
+    /// The term at the last sample.
+    pub fn term(&self, evaluation: &Evaluation) -> f64 {
         evaluation.start_up_amplitude * libm::sqrt(self.sum / evaluation.window as f64)
     }
 }

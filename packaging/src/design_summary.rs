@@ -1,6 +1,7 @@
 //! The figures of a design that people ask for first.
 
 use serde::Serialize;
+use steerguard_designer::calibration::Level;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::{SteadyThreshold, UNCERTAINTIES, by_cause};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, EvaluationDesign};
@@ -163,16 +164,23 @@ fn reason(evaluation: &EvaluationDesign) -> String {
     let EvaluationDesign { margin, calibration, uncertain, uncertainty_share, .. } = evaluation;
     match (calibration, uncertain) {
         (Some(level), Some(ratio)) => format!(
-            "and {uncertainty_share:.3} x what is uncertain can do: {margin} x the largest J / J_th, \
-             {:.3}, of {} fault-free drives",
+            "and {uncertainty_share:.3} x what is uncertain can do: {margin} x the largest J / J_th, {:.3}, of {} fault-free \
+             drives, {}",
             ratio.level,
-            level.drives + ratio.drives
+            ratio.drives,
+            confidence(ratio)
         ),
         (Some(level), None) => {
-            format!("{margin} x the largest J of {} fault-free drives", level.drives)
+            let drives = level.drives;
+            format!("{margin} x the largest J of {drives} fault-free drives, {}", confidence(level))
         }
         _ => "as specified".into(),
     }
+}
+
+/// What the largest of that many drives says of the next one.
+fn confidence(level: &Level) -> String {
+    format!("exceeded in {:.2} % at most (95 % confidence)", 100.0 * level.exceeded_at_most)
 }
 
 /// A head, then a row a point: speed, lateral acceleration, each cause, J_th and the J of the smallest
