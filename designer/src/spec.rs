@@ -263,7 +263,7 @@ pub struct Evaluation {
     /// Threshold of kind "constant", on J once the start-up has passed; for no other kind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub constant: Option<f64>,
-    /// Threshold over the largest fault-free level of the calibration; default 1.25.
+    /// Threshold over the largest fault-free level of the calibration; default 1.1.
     pub margin: f64,
     /// Consecutive samples above the threshold that raise the alarm; default 1.
     pub debounce_samples: u32,
@@ -278,7 +278,7 @@ impl Default for Evaluation {
             weights: [0.1, 1.0],
             threshold: ThresholdKind::Adaptive,
             constant: None,
-            margin: 1.25,
+            margin: 1.1,
             debounce_samples: 1,
             calibration: Calibration::default(),
         }
@@ -396,6 +396,7 @@ impl Spec {
             evaluation: Evaluation {
                 weights: [1.0, 1.0],
                 threshold: ThresholdKind::Calibrated,
+                margin: 1.25,
                 ..Evaluation::default()
             },
             ..Self::default()
