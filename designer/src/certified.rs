@@ -198,9 +198,9 @@ pub fn decay_certificate(theorem: &Theorem4, gains: &ObserverGains) -> Option<[M
 pub struct Error {
     /// `[N_i(rho), B_i, -I]`, which sends (e, w, e+) to zero along the error's course, by vertex and
     /// rule.
-    courses: Vec<[Matrix; RULES]>,
+    pub(crate) courses: Vec<[Matrix; RULES]>,
     /// `[W_r C, D_r]`.
-    output: Matrix,
+    pub(crate) output: Matrix,
 }
 
 impl Error {
@@ -233,7 +233,7 @@ impl Error {
     }
 
     /// The same with the inputs counted in units of `1 / unit`.
-    fn in_unit(&self, unit: f64) -> Self {
+    pub(crate) fn in_unit(&self, unit: f64) -> Self {
         let inputs = self.inputs();
         let scaled = |x: &Matrix| {
             let mut x = x.clone();
@@ -249,7 +249,7 @@ impl Error {
     /// A basis in which the error that the inputs cause is of magnitude one in all directions:
     /// the root of its covariance under white inputs, at the mean of the vertices. The solver's
     /// numbers are then of one magnitude, whatever the gains.
-    fn natural_basis(&self) -> Matrix {
+    pub(crate) fn natural_basis(&self) -> Matrix {
         let inputs = self.inputs();
         let count = (self.courses.len() * RULES) as f64;
         let sum = |sum: Matrix, x: &Matrix| sum + x;
@@ -270,7 +270,7 @@ impl Error {
     }
 
     /// The same with e counted in a basis.
-    fn in_basis(&self, basis: &Matrix, inverse: &Matrix) -> Self {
+    pub(crate) fn in_basis(&self, basis: &Matrix, inverse: &Matrix) -> Self {
         let next = 3 + self.inputs();
         let of_course = |x: &Matrix| {
             // e+ stays [.., -I]: inverse (-I) basis.

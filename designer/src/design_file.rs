@@ -20,6 +20,7 @@ use crate::certificate::{Check, Margin};
 use crate::certified::{APosteriori, CertifiedFigures};
 use crate::frequency::{Frozen, PointFigures};
 use crate::gap::SearchRecord;
+use crate::guaranteed::{Guaranteed, PeakCertificate};
 use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
 use crate::spec_error::SpecError;
 
@@ -119,8 +120,11 @@ pub struct EvaluationDesign {
     pub start_up: StartUpRecord,
     /// Consecutive samples above the threshold that raise the alarm.
     pub debounce_samples: u32,
-    /// The largest fault-free level; its drives are described in `spec.evaluation.calibration`.
-    pub calibration: Level,
+    /// Of kind "calibrated", the largest fault-free level; its drives are described in
+    /// `spec.evaluation.calibration`.
+    pub calibration: Option<Level>,
+    /// Of kind "guaranteed", the bound and its causes.
+    pub guaranteed: Option<Guaranteed>,
 }
 
 /// The bound on the start-up residual.
@@ -297,6 +301,8 @@ pub struct Certificate {
     /// The matrices behind `performance.certified`, with P_s for its decay; null where there are
     /// none.
     pub a_posteriori: Option<APosteriori>,
+    /// The numbers behind `evaluation.guaranteed`, for each of its inputs; null for other kinds.
+    pub peaks: Option<Vec<PeakCertificate>>,
 }
 
 /// The matrices of (31) for a band of the disturbances.
