@@ -42,7 +42,7 @@ const RATES: u32 = 16;
 /// `1 - lambda` shrinks by this from one to the next.
 const RATE_STEP: f64 = 0.82;
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which all is of magnitude one.
-const MARGIN: f64 = 1e-7;
+const MARGIN: f64 = 1e-6;
 /// Smallest eigenvalue, in the same units, that rounding cannot have made up.
 const CONFIRMED: f64 = 1e-9;
 /// Makes up for rounding of what stands on the larger side.
@@ -192,13 +192,14 @@ pub fn peak_bound(
 
     let of = |n: &Matrix| spectral_radius(&square(&n.columns(0, 3).into_owned()));
     let slowest = scaled.courses.iter().flatten().map(of).fold(0.0, f64::max);
+    let squared = |point: &Point| point.gain_squared + point.energy / problem.window;
     let mut best: Option<(f64, Point)> = None;
     let mut past_the_best = 0;
     for rate in 0..RATES {
         let lambda = 1.0 - (1.0 - slowest * slowest) * RATE_STEP.powi(rate as i32 + 1);
         let Some(point) = problem.solve(lambda) else { continue };
         match &best {
-            Some((_, least)) if point.squared() >= least.squared() => past_the_best += 1,
+            Some((_, least)) if squared(&point) >= squared(least) => past_the_best += 1,
             _ => best = Some((lambda, point)),
         }
         if past_the_best == 2 {
@@ -212,12 +213,12 @@ pub fn peak_bound(
         let x = inverse.transpose() * x * &inverse;
         (&x + x.transpose()) / 2.0
     };
-    let level = unit * unit * point.level;
+    let energy = unit * unit * point.energy;
     Some(PeakCertificate {
         lambda,
         gain: point.gain_squared.sqrt() * unit * ROUNDED_UP,
-        energy: problem.window * level * ROUNDED_UP,
-        p: point.p.each_ref().map(|p| rows(&(original(p) / level))),
+        energy: energy * ROUNDED_UP,
+        p: point.p.each_ref().map(|p| rows(&(original(p) / energy))),
         v: point.v.each_ref().map(|v| rows(&original(v))),
     })
 }
@@ -283,8 +284,7 @@ fn bilinear(slow: f64, [right, left]: [f64; 2]) -> [f64; RULES] {
     [slow * right, slow * left, (1.0 - slow) * right, (1.0 - slow) * left]
 }
 
-/// The inequalities at the head of this module, with P in other units: `P_i / level` is the one there,
-/// and `energy = window level`.
+/// The inequalities at the head of this module with `energy P_i` in place of P_i.
 struct Problem {
     vertices: Vec<Vertex>,
     output: Matrix,
@@ -294,17 +294,10 @@ struct Problem {
 
 /// A solution.
 struct Point {
-    level: f64,
+    energy: f64,
     gain_squared: f64,
     p: [Matrix; RULES],
     v: [Matrix; RULES],
-}
-
-impl Point {
-    /// J squared.
-    fn squared(&self) -> f64 {
-        self.level + self.gain_squared
-    }
 }
 
 impl Problem {
@@ -312,14 +305,14 @@ impl Problem {
         let mut variables = Variables::default();
         let p: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
         let v: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
-        let [level, gain_squared] = [variables.scalar(), variables.scalar()];
-        let [few, further] = self.conditions(lambda, [&p, &v], &level, &gain_squared);
+        let [energy, gain_squared] = [variables.scalar(), variables.scalar()];
+        let [few, further] = self.conditions(lambda, [&p, &v], &energy, &gain_squared);
         let with_margin = |conditions: &[Affine]| -> Vec<Affine> {
             let margin =
                 |x: &Affine| x - &Affine::from(Matrix::identity(x.order(), x.order()) * MARGIN);
             conditions.iter().map(margin).collect()
         };
-        let objective = &level + &gain_squared;
+        let objective = (1.0 / self.window) * &energy + &gain_squared;
         let solution = lmi::minimise_with_cuts(
             &variables,
             &objective,
@@ -332,7 +325,7 @@ impl Problem {
         let confirmed = |x: &Affine| smallest_eigenvalue(&at(x)) > CONFIRMED;
         let holds = solution.is_candidate() && few.iter().chain(&further).all(confirmed);
         holds.then(|| Point {
-            level: at(&level)[0],
+            energy: at(&energy)[0],
             gain_squared: at(&gain_squared)[0],
             p: p.each_ref().map(at),
             v: v.each_ref().map(at),
@@ -344,7 +337,7 @@ impl Problem {
         &self,
         lambda: f64,
         [p, v]: [&[Affine; RULES]; 2],
-        level: &Affine,
+        energy: &Affine,
         gain_squared: &Affine,
     ) -> [Vec<Affine>; 2] {
         let order = self.output.ncols();
@@ -359,14 +352,14 @@ impl Problem {
             &of_error * &(&sum * &of_error.transpose())
         };
         let squared = Affine::from(self.output.transpose() * &self.output);
-        let from_invariance = (1.0 - lambda) * &level.times(&of_input);
+        let from_invariance = (1.0 - lambda) * &energy.times(&of_input);
         let from_dissipation = gain_squared.times(&of_input) - &squared;
 
         let mut few: Vec<Affine> = p.iter().chain(v).cloned().collect();
-        few.extend(p.iter().zip(v).map(|(p, v)| self.window * p - v));
+        few.extend(p.iter().zip(v).map(|(p, v)| p - v));
         if self.from_start.ncols() > 0 {
             let at_start = |p: &Affine| &self.from_start.transpose() * &(p * &self.from_start);
-            few.extend(p.iter().map(|p| level - &at_start(p)));
+            few.extend(p.iter().map(|p| energy - &at_start(p)));
         }
         let mut inequalities = [few, Vec::new()];
         for (index, Vertex { membership, step }) in self.vertices.iter().enumerate() {
