@@ -84,6 +84,7 @@ pub struct Noise {
 
 #[derive(Deserialize)]
 pub struct SpeedNoise {
+    pub white_std_m_per_s: f64,
     pub bound_m_per_s: Option<f64>,
     /// Null for all frequencies.
     pub band_hz: Option<[f64; 2]>,
@@ -91,6 +92,7 @@ pub struct SpeedNoise {
 
 #[derive(Deserialize)]
 pub struct YawRateNoise {
+    pub white_std_rad_per_s: f64,
     pub bound_rad_per_s: Option<f64>,
     /// Null for all frequencies.
     pub band_hz: Option<[f64; 2]>,
@@ -130,8 +132,33 @@ pub struct Rule {
 
 #[derive(Deserialize)]
 pub struct Evaluation {
+    pub kind: String,
+    pub window: u32,
     pub weights: [f64; 2],
+    pub threshold: f64,
     pub start_up: StartUp,
+    pub guaranteed: Option<Guaranteed>,
+}
+
+/// The claim of a guaranteed threshold.
+#[derive(Deserialize)]
+pub struct Guaranteed {
+    pub bound: f64,
+    pub inputs: Vec<InputBound>,
+    pub discretisation: Discretisation,
+}
+
+#[derive(Deserialize)]
+pub struct InputBound {
+    pub name: String,
+    pub bound: f64,
+    pub j: f64,
+}
+
+/// What is simulated, not proven.
+#[derive(Deserialize)]
+pub struct Discretisation {
+    pub level: f64,
 }
 
 #[derive(Deserialize)]
@@ -162,6 +189,19 @@ pub struct Certificate {
     #[serde(rename = "P_s")]
     pub p_s: [Rows3; RULES],
     pub a_posteriori: Option<APosteriori>,
+    /// For each of `evaluation.guaranteed.inputs`.
+    pub peaks: Option<Vec<PeakCertificate>>,
+}
+
+#[derive(Deserialize)]
+pub struct PeakCertificate {
+    pub lambda: f64,
+    pub gain: f64,
+    pub energy: f64,
+    #[serde(rename = "P")]
+    pub p: [Rows3; RULES],
+    #[serde(rename = "V")]
+    pub v: [Rows3; RULES],
 }
 
 #[derive(Deserialize)]
@@ -213,6 +253,8 @@ impl Design {
             ("sampling_period_s", &spec["sampling"]["period_s"]),
             ("premise", &spec["operating_range"]),
             ("evaluation.weights", &spec["evaluation"]["weights"]),
+            ("evaluation.window", &spec["evaluation"]["window_samples"]),
+            ("evaluation.kind", &spec["evaluation"]["threshold"]),
         ] {
             let pointer = format!("/{}", key.replace('.', "/"));
             if content.pointer(&pointer) != Some(of_spec) {
