@@ -1,8 +1,8 @@
 //! The figures of a design that people ask for first.
 
 use serde::Serialize;
-use steerguard_designer::spec::MethodName;
-use steerguard_designer::{CertifiedFigures, Design, DesignStatus};
+use steerguard_designer::spec::{MethodName, ThresholdKind};
+use steerguard_designer::{CertifiedFigures, Design, DesignStatus, EvaluationDesign};
 use steerguard_fmu::BakedDesign;
 
 use crate::table::aligned;
@@ -40,10 +40,21 @@ pub struct DesignSummary {
     pub threshold: f64,
     /// What J tends to under the smallest fault of interest, at least.
     pub smallest_fault_j: f64,
-    /// Margin on the largest fault-free J, and the number of drives that gave it.
+    /// Factor between level and threshold.
     pub threshold_margin: f64,
-    /// Fault-free drives behind the threshold.
-    pub calibration_drives: usize,
+    /// How the threshold was found.
+    pub threshold_kind: ThresholdKind,
+    /// What J stays below without a fault, by its causes.
+    pub threshold_causes: Vec<Cause>,
+}
+
+/// What a share of the threshold's level comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cause {
+    /// In words.
+    pub cause: String,
+    /// J that it can make up.
+    pub j: f64,
 }
 
 /// Figures of the synthesis.
@@ -91,7 +102,8 @@ impl DesignSummary {
             threshold: design.evaluation.threshold,
             smallest_fault_j: performance.smallest_fault_residual,
             threshold_margin: design.evaluation.margin,
-            calibration_drives: design.evaluation.calibration.drives,
+            threshold_kind: design.evaluation.kind,
+            threshold_causes: causes(&design.evaluation),
         }
     }
 
@@ -147,13 +159,40 @@ impl DesignSummary {
         rows.push(row(
             "threshold J_th",
             format!("{:.6}", self.threshold),
-            format!(
-                "{} x the largest J of {} fault-free drives",
-                self.threshold_margin, self.calibration_drives
-            ),
+            format!("{} x what J can be without a fault:", self.threshold_margin),
+        ));
+        rows.extend(
+            self.threshold_causes
+                .iter()
+                .map(|Cause { cause, j }| row("", format!("{j:.6}"), cause.clone())),
+        );
+        rows.push(row(
+            "smallest fault",
+            format!("{:.6}", self.smallest_fault_j),
+            "J that it tends to, at least".into(),
         ));
         aligned(&rows, "  ")
     }
+}
+
+/// The shares of the threshold's level.
+pub fn causes(evaluation: &EvaluationDesign) -> Vec<Cause> {
+    let mut causes = Vec::new();
+    if let Some(level) = &evaluation.calibration {
+        let cause = format!("largest of {} simulated fault-free drives", level.drives);
+        causes.push(Cause { cause, j: level.level });
+    }
+    if let Some(guaranteed) = &evaluation.guaranteed {
+        causes.extend(guaranteed.inputs.iter().map(|input| Cause {
+            cause: format!("proven: {}, up to {} {}", input.name, input.bound, input.unit),
+            j: input.j,
+        }));
+        let level = &guaranteed.discretisation;
+        let drives = level.drives;
+        let cause = format!("simulated: discretisation, largest of {drives} undisturbed drives");
+        causes.push(Cause { cause, j: level.level });
+    }
+    causes
 }
 
 /// A status in words.

@@ -9,6 +9,8 @@ use steerguard_model_description::{
     Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
 };
 
+use crate::design_summary::Cause;
+
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\
 border-bottom:1px solid #ddd;vertical-align:top}code{background:#f3f3f3;padding:0 .2em;\
@@ -47,9 +49,10 @@ before initialisation ends; <code>vehicle.*</code> carry the names that the dete
 was designed for. <code>fault</code> is added to the angle of the steering actuator.</p>
 ";
 
-/// What the page of `SteeringFaultDetector.fmu` says of it and of the design inside.
-pub fn detector(design: &BakedDesign) -> String {
-    format!("{DETECTOR}{}", summary(design))
+/// What the page of `SteeringFaultDetector.fmu` says of it, of the design inside and of the causes of
+/// its threshold.
+pub fn detector(design: &BakedDesign, causes: &[Cause]) -> String {
+    format!("{DETECTOR}{}{}", summary(design), threshold(causes))
 }
 
 /// The page of an FMU: `about` it, then all variables with their values in a fresh instance.
@@ -165,6 +168,19 @@ fn summary(design: &BakedDesign) -> String {
         let _infallible = writeln!(text, "<tr><th>{name}<td>{}", escaped(&value));
     }
     text + "</table>\n"
+}
+
+/// What J can be without a fault, by its causes.
+fn threshold(causes: &[Cause]) -> String {
+    let row = |Cause { cause, j }: &Cause| format!("<tr><td>{}<td>{j:.6}\n", escaped(cause));
+    let rows: String = causes.iter().map(row).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "<h2>Threshold</h2>\n<p>The threshold after the start-up is the sum of what <code>J_rms</code> can \
+         be without a fault, times a margin.</p>\n<table>\n<tr><th>Cause<th>J_rms, at most\n{rows}</table>\n"
+    )
 }
 
 fn escaped(text: &str) -> String {

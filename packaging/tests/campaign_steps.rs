@@ -47,7 +47,7 @@ const SETTINGS: Settings = Settings {
 
 fn bench() -> TestBench {
     TestBench {
-        detector: open(&detector_fmu(&common::design(), &Runtimes::detector()).unwrap()),
+        detector: open(&detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap()),
         plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: SUBJECT,
     }

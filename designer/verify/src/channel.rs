@@ -161,7 +161,11 @@ fn of_band(blocks: &mut Vec<Channel>, band: Band) -> &mut Channel {
     &mut blocks[index]
 }
 
-fn positive(key: &str, value: f64) -> Result<Rational, Refusal> {
+/// The exact value of a positive number.
+///
+/// # Errors
+/// [`Refusal::NotPositive`].
+pub fn positive(key: &str, value: f64) -> Result<Rational, Refusal> {
     match value > 0.0 {
         true => Ok(exact(value)),
         false => Err(Refusal::NotPositive { key: key.into(), value }),

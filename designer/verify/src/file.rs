@@ -58,6 +58,13 @@ pub struct Spec {
     pub fault: Vec<Fault>,
     pub disturbance: Vec<Disturbance>,
     pub noise: Noise,
+    pub evaluation: EvaluationOfSpec,
+}
+
+#[derive(Deserialize)]
+pub struct EvaluationOfSpec {
+    pub window_samples: f64,
+    pub threshold: String,
 }
 
 #[derive(Deserialize)]
@@ -133,7 +140,7 @@ pub struct Rule {
 #[derive(Deserialize)]
 pub struct Evaluation {
     pub kind: String,
-    pub window: u32,
+    pub window: f64,
     pub weights: [f64; 2],
     pub threshold: f64,
     pub start_up: StartUp,
@@ -253,15 +260,23 @@ impl Design {
             ("sampling_period_s", &spec["sampling"]["period_s"]),
             ("premise", &spec["operating_range"]),
             ("evaluation.weights", &spec["evaluation"]["weights"]),
-            ("evaluation.window", &spec["evaluation"]["window_samples"]),
-            ("evaluation.kind", &spec["evaluation"]["threshold"]),
         ] {
             let pointer = format!("/{}", key.replace('.', "/"));
             if content.pointer(&pointer) != Some(of_spec) {
                 return Err(Refusal::Contradiction { key: key.into() });
             }
         }
-        Ok((Self::deserialize(&content)?, hash))
+        let design = Self::deserialize(&content)?;
+        let (evaluation, of_spec) = (&design.evaluation, &design.spec.evaluation);
+        for (key, agrees) in [
+            ("evaluation.window", evaluation.window == of_spec.window_samples),
+            ("evaluation.kind", evaluation.kind == of_spec.threshold),
+        ] {
+            if !agrees {
+                return Err(Refusal::Contradiction { key: key.into() });
+            }
+        }
+        Ok((design, hash))
     }
 
     /// D, 3 x n_d.

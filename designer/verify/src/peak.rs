@@ -12,7 +12,7 @@
 //! [`premise::speed_memberships`]; v_y and r in K are free.
 
 use crate::Refusal;
-use crate::channel::{BoundedInput, bounded_inputs};
+use crate::channel::{BoundedInput, bounded_inputs, positive};
 use crate::error_dynamics::{Course, ErrorDynamics};
 use crate::exact::{Matrix, Rational, approximate, exact, whole};
 use crate::file::{Design, Guaranteed, PeakCertificate, RULES};
@@ -68,7 +68,7 @@ fn check_claims(
     certificates: &[PeakCertificate],
     inputs: &[BoundedInput],
 ) -> Result<(), Refusal> {
-    let window = whole(design.evaluation.window.into());
+    let window = positive("evaluation.window", design.evaluation.window)?;
     let mut sum = whole(0);
     for ((claim, certificate), input) in claimed.inputs.iter().zip(certificates).zip(inputs) {
         if claim.bound != input.bound || claim.name != input.name {
@@ -168,10 +168,12 @@ fn prove_peak(
     let (p, v) = (tally.p(&certificate.p)?, tally.p(&certificate.v)?);
     let start = dynamics.start(&input.channel);
     for (i, (p, v)) in p.iter().zip(&v).enumerate() {
-        let at_start = &(&start.transpose() * p) * &start;
-        let inside = &Matrix::identity(start.width()) - &at_start;
-        for x in [p, v, &(&p.times(&exact(energy)) - v), &inside] {
+        for x in [p, v, &(&p.times(&exact(energy)) - v)] {
             tally.prove(x, Combination::Rule(i))?;
+        }
+        if start.width() > 0 {
+            let at_start = &(&start.transpose() * p) * &start;
+            tally.prove(&(&Matrix::identity(1) - &at_start), Combination::Rule(i))?;
         }
     }
     let squared = dynamics.output_with(&input.channel).squared();
