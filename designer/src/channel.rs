@@ -97,23 +97,28 @@ pub fn premise_sensitivity(model: &TsModel, [v_x, v_y, r]: [f64; 3]) -> Matrix {
     k(model, OfSpeed { v_x, inverse, inverse_squared: inverse * inverse }, v_y, r)
 }
 
-/// Matrices whose hull holds K everywhere on S_x.
-pub fn premise_sensitivity_vertices(model: &TsModel) -> Vec<Matrix> {
-    let range = &model.range;
-    let [s_0, s_1] = [1.0 / range.v_x.max, 1.0 / range.v_x.min];
-    // Control points (1, s, s^2, s^3) of a cubic over [s_0, s_1], divided by the second.
-    let ends = [s_0, s_1].map(|s| OfSpeed { v_x: 1.0 / s, inverse: s, inverse_squared: s * s });
-    let between = [(s_0, s_1), (s_1, s_0)].map(|(near, far)| {
+/// Points whose hull holds the curve (v_x, s, s^2), from the highest speed to the lowest: its control
+/// points (1, s, s^2, s^3) as a cubic in s, divided by the second.
+fn control_points(v_x: Interval) -> [OfSpeed; 4] {
+    let [s_0, s_1] = [1.0 / v_x.max, 1.0 / v_x.min];
+    let end = |s: f64| OfSpeed { v_x: 1.0 / s, inverse: s, inverse_squared: s * s };
+    let between = |near: f64, far: f64| {
         let weight = (2.0 * near + far) / 3.0;
         OfSpeed {
             v_x: 1.0 / weight,
             inverse: (near * near + 2.0 * near * far) / (3.0 * weight),
             inverse_squared: near * near * far / weight,
         }
-    });
+    };
+    [end(s_0), between(s_0, s_1), between(s_1, s_0), end(s_1)]
+}
+
+/// Matrices whose hull holds K everywhere on S_x: four for each control point of the speed.
+pub fn premise_sensitivity_vertices(model: &TsModel) -> Vec<Matrix> {
+    let range = &model.range;
     let corners = |interval: Interval| [interval.min, interval.max];
     let mut vertices = Vec::new();
-    for speed in [ends[0], between[0], between[1], ends[1]] {
+    for speed in control_points(range.v_x) {
         for v_y in corners(range.v_y) {
             for r in corners(range.r) {
                 vertices.push(k(model, speed, v_y, r));
@@ -121,6 +126,20 @@ pub fn premise_sensitivity_vertices(model: &TsModel) -> Vec<Matrix> {
         }
     }
     vertices
+}
+
+/// The share of the rules of the lowest speed at each control point, the measured speed being up to
+/// `v_x_noise` away: where K is taken at speeds between the true and the measured one, both shares lie
+/// in the hull of these ends.
+pub fn speed_memberships(model: &TsModel, v_x_noise: f64) -> [[f64; 2]; 4] {
+    let Interval { min, max } = model.range.v_x;
+    let width = 1.0 / min - 1.0 / max;
+    // |1/v - 1/w| = |v - w| / (v w), largest at the lowest speeds.
+    let apart = v_x_noise / (min * (min + v_x_noise)) / width;
+    control_points(model.range.v_x).map(|speed| {
+        let share = (speed.inverse - 1.0 / max) / width;
+        [share - apart, share + apart]
+    })
 }
 
 /// METHOD.md 5, K.

@@ -14,6 +14,7 @@ use crate::design_file::{
 use crate::frequency::{Inputs, detection_ratio, frozen, limit};
 use crate::gains::{ObserverGains, rows};
 use crate::gap::{self, SearchRecord};
+use crate::guaranteed::PeakCertificate;
 use crate::infeasible::{Obstacle, diagnose};
 use crate::lmi::Matrix;
 use crate::operating_point::{OperatingPoint, fixed, spectral_radius};
@@ -52,6 +53,8 @@ pub enum Step {
     Certify,
     /// The bound on the start-up residual.
     StartUp,
+    /// The bound on J under disturbances and noise.
+    Guarantee,
     /// Fault-free drives: how many of how many are done.
     Calibration {
         /// Drives done.
@@ -71,6 +74,7 @@ impl fmt::Display for Step {
             Self::Refine => write!(f, "refining the gains"),
             Self::Certify => write!(f, "certifying the gains"),
             Self::StartUp => write!(f, "bounding the start-up"),
+            Self::Guarantee => write!(f, "bounding the residual under disturbances and noise"),
             Self::Calibration { done, of } => write!(f, "calibrating: drive {done} of {of}"),
         }
     }
@@ -99,6 +103,16 @@ pub enum DesignError {
          operating_range.v_y_m_per_s"
     )]
     StartUp,
+    /// The residual has no bound that the inequalities prove.
+    #[error(
+        "no bound on J under \"{input}\" was found for evaluation.threshold = \"guaranteed\": the \
+         error must contract whatever the course of the premise; lower design.decay, narrow \
+         operating_range.v_x_m_per_s or operating_range.v_y_m_per_s, or take another kind of threshold"
+    )]
+    Guarantee {
+        /// The disturbance or noise.
+        input: String,
+    },
     /// Nothing to calibrate from.
     #[error(
         "the detector monitored no sample of the calibration's drives: every one left the \
@@ -135,7 +149,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     let of_theorem = found.check.map(|_| &synthesis.lyapunov);
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
-    let evaluation = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
+    let (evaluation, peaks) = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
 
     let mut design = Design {
         format: FORMAT.into(),
@@ -205,6 +219,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             r: of_theorem.map(|lyapunov| rows(&lyapunov.r)),
             margins: found.check,
             a_posteriori,
+            peaks,
         },
         spec: spec.clone(),
         hash: String::new(),
@@ -359,7 +374,7 @@ fn evaluate(
     gains: &ObserverGains,
     smallest_fault_residual: f64,
     progress: &mut dyn FnMut(Step),
-) -> Result<EvaluationDesign, DesignError> {
+) -> Result<(EvaluationDesign, Option<Vec<PeakCertificate>>), DesignError> {
     progress(Step::StartUp);
     let e = &spec.evaluation;
     let without_threshold = Evaluation {
@@ -392,9 +407,9 @@ fn evaluate(
         deviations: spec.deviations(),
         actuator: spec.actuator.actuator(),
     };
-    let Threshold { threshold, uncertainty_share, calibration, uncertain } =
-        threshold::threshold(spec, &configuration, progress)?;
-    Ok(EvaluationDesign {
+    let Threshold { threshold, uncertainty_share, calibration, uncertain, guaranteed, peaks } =
+        threshold::threshold(spec, theorem, gains, &configuration, progress)?;
+    let record = EvaluationDesign {
         window: e.window_samples,
         weights: e.weights,
         threshold,
@@ -410,7 +425,9 @@ fn evaluate(
         debounce_samples: e.debounce_samples,
         calibration,
         uncertain,
-    })
+        guaranteed,
+    };
+    Ok((record, peaks))
 }
 
 /// What a design may be called without a proof.

@@ -20,6 +20,7 @@ use crate::certificate::{Check, Margin};
 use crate::certified::{APosteriori, CertifiedFigures};
 use crate::frequency::{Frozen, PointFigures};
 use crate::gap::SearchRecord;
+use crate::guaranteed::{Guaranteed, PeakCertificate};
 use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
 use crate::spec_error::SpecError;
 
@@ -123,11 +124,13 @@ pub struct EvaluationDesign {
     /// Consecutive samples above the threshold that raise the alarm.
     pub debounce_samples: u32,
     /// The largest fault-free J, less the start-up term, of the specified vehicle; its drives are
-    /// described in `spec.evaluation.calibration`. Null for kind "constant".
+    /// described in `spec.evaluation.calibration`. Of kinds "calibrated" and "adaptive".
     pub calibration: Option<Level>,
-    /// The largest ratio of J, less the start-up term, to that level and the bound, in the same drives of uncertain vehicles.
-    /// Null but for kind "adaptive".
+    /// The largest ratio of J to that level and the uncertainties' bound, start-up term aside, in the
+    /// same drives of uncertain vehicles. Of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// Of kind "guaranteed", the bound and its causes.
+    pub guaranteed: Option<Guaranteed>,
 }
 
 /// The bound on the start-up residual.
@@ -304,6 +307,8 @@ pub struct Certificate {
     /// The matrices behind `performance.certified`, with P_s for its decay; null where there are
     /// none.
     pub a_posteriori: Option<APosteriori>,
+    /// The numbers behind `evaluation.guaranteed`, for each of its inputs; null for other kinds.
+    pub peaks: Option<Vec<PeakCertificate>>,
 }
 
 /// The matrices of (31) for a band of the disturbances.

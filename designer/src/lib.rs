@@ -22,6 +22,7 @@ mod design_file;
 pub mod frequency;
 pub mod gains;
 pub mod gap;
+pub mod guaranteed;
 pub mod gust;
 mod infeasible;
 pub mod lmi;
@@ -41,6 +42,7 @@ pub use design_file::{
     FORMAT, FaultFigures, FrozenRecord, LargestBeta, Performance, Rows3, Rule, StartUpRecord,
     SynthesisRecord,
 };
+pub use guaranteed::{Guaranteed, InputBound, PeakCertificate};
 pub use infeasible::Obstacle;
 pub use spec::Spec;
 pub use spec_error::SpecError;

@@ -18,6 +18,7 @@ use crate::band::Band;
 use crate::calibration;
 use crate::channel::Channel;
 use crate::frequency::Inputs;
+use crate::guaranteed::BoundedInput;
 use crate::lmi::Matrix;
 use crate::spec_error::{Allowed, SpecError, parse};
 use crate::theorem4::{Multipliers, Theorem4};
@@ -263,7 +264,9 @@ pub struct Evaluation {
     /// Threshold of kind "constant", on J once the start-up has passed; for no other kind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub constant: Option<f64>,
-    /// Threshold over the largest fault-free level of the calibration; default 1.1.
+    /// Threshold over the level: of kinds "calibrated" and "adaptive" the largest of the calibration's
+    /// drives; of kind "guaranteed" the proven bound plus the simulated discretisation, so that it
+    /// stands for what neither holds, such as other vehicle data; default 1.1.
     pub margin: f64,
     /// Consecutive samples above the threshold that raise the alarm; default 1.
     pub debounce_samples: u32,
@@ -297,6 +300,10 @@ pub enum ThresholdKind {
     /// driven; both times the largest ratio of J to their sum over simulated fault-free drives of
     /// uncertain vehicles, times a margin.
     Adaptive,
+    /// A proven bound on J for all disturbances and sensor noise within their bounds, plus the
+    /// largest level of simulated drives without either, times a margin. White noise has no bound: a
+    /// sensor with a white standard deviation must be given a bound too, which then is what counts.
+    Guaranteed,
 }
 
 /// `[evaluation.calibration]`: every manoeuvre at every speed and lateral acceleration, under every
@@ -566,8 +573,22 @@ impl Spec {
         {
             let key = format!("noise.{signal}");
             Allowed::NOT_NEGATIVE.check(&format!("{key}.white_std_{unit}"), white_std)?;
+            let bound_key = format!("{key}.bound_{unit}");
             if let Some(bound) = bound {
-                Allowed::POSITIVE.check(&format!("{key}.bound_{unit}"), bound)?;
+                Allowed::POSITIVE.check(&bound_key, bound)?;
+            }
+            if self.evaluation.threshold == ThresholdKind::Guaranteed {
+                SpecError::unless(
+                    bound.is_some() || white_std == 0.0,
+                    &bound_key,
+                    bound,
+                    &format!(
+                        "a number > 0, as evaluation.threshold = \"guaranteed\" covers noise up to a \
+                         bound and white noise has none: 4 standard deviations, {}, are rarely \
+                         exceeded; or set {key}.white_std_{unit} = 0",
+                        4.0 * white_std
+                    ),
+                )?;
             }
             if let Some(band_hz) = band_hz {
                 self.band(&key, band_hz)?;
@@ -746,6 +767,27 @@ impl Spec {
         signals.filter_map(move |(signal, (bound, band_hz))| {
             Some((signal, bound?, band_hz.unwrap_or([0.0, nyquist])))
         })
+    }
+
+    /// Every disturbance, then every bounded noise, by itself and in units of its bound.
+    pub fn bounded_inputs(&self) -> Vec<BoundedInput> {
+        let d = self.d();
+        let disturbances = self.disturbance.iter().enumerate().map(|(index, disturbance)| {
+            let column = d.columns(index, 1) * disturbance.bound();
+            BoundedInput {
+                name: disturbance.name().into(),
+                bound: disturbance.bound(),
+                unit: disturbance.unit(),
+                channel: Channel::disturbance(column, Band::Full),
+            }
+        });
+        let noise = self.bounded_noise().map(|(signal, bound, _)| {
+            let mut channel = Channel::disturbance(Matrix::zeros(3, 0), Band::Full);
+            channel.push_noise(&Matrix::from_fn(2, 1, |row, _| f64::from(row == signal) * bound));
+            let [name, unit] = [["noise of v_x", "m/s"], ["noise of r", "rad/s"]][signal];
+            BoundedInput { name: name.into(), bound, unit, channel }
+        });
+        disturbances.chain(noise).collect()
     }
 
     /// Disturbances and bounded noise as inputs of the error, one block for each band, in units of

@@ -13,70 +13,115 @@ use steerguard_detector::{
 
 use crate::calibration::{Level, Population, calibrate, drives, steady_angle};
 use crate::design::{DesignError, Step};
+use crate::gains::ObserverGains;
+use crate::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
 use crate::spec::{Spec, ThresholdKind};
+use crate::theorem4::Theorem4;
 
 /// Names of the uncertainties, in the order of the detector's.
 pub const UNCERTAINTIES: [&str; steerguard_detector::UNCERTAINTIES] =
     ["mass", "yaw inertia", "front stiffness", "rear stiffness", "bank", "gust", "actuator"];
 
-/// A threshold.
+/// A threshold, and where it comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
     /// On J once the start-up has passed, where nothing is uncertain.
     pub threshold: f64,
     /// Share of the uncertainties' bound that is added.
     pub uncertainty_share: f64,
-    /// Largest fault-free level of the vehicle as specified; not of kind "constant".
+    /// Largest fault-free level of the vehicle as specified, of kinds "calibrated" and "adaptive".
     pub calibration: Option<Level>,
     /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// The bound and its causes, of kind "guaranteed".
+    pub guaranteed: Option<Guaranteed>,
+    /// What proves it.
+    pub peaks: Option<Vec<PeakCertificate>>,
 }
 
-/// The threshold that `spec` asks for of a detector with `configuration`, whose own is not looked at.
-///
-/// # Errors
-/// [`DesignError`] where the detector cannot run or monitors no sample.
-pub fn threshold(
-    spec: &Spec,
-    configuration: &Configuration,
-    progress: &mut dyn FnMut(Step),
-) -> Result<Threshold, DesignError> {
-    let e = &spec.evaluation;
-    if let (ThresholdKind::Constant, Some(threshold)) = (e.threshold, e.constant) {
-        return Ok(Threshold {
+impl Threshold {
+    fn constant(threshold: f64) -> Self {
+        Self {
             threshold,
             uncertainty_share: 0.0,
             calibration: None,
             uncertain: None,
-        });
-    }
-    let drives = drives(spec);
-    let populations = if e.threshold == ThresholdKind::Adaptive { 2 } else { 1 };
-    let of = populations * drives.len();
-    let mut largest = |population, threshold, uncertainty_share, before| {
-        progress(Step::Calibration { done: before, of });
-        let mut count = |done| progress(Step::Calibration { done: before + done, of });
-        let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-        let configuration = Configuration { evaluation, ..*configuration };
-        calibrate(spec, &configuration, &drives, population, &mut count)?
-            .ok_or(DesignError::Calibration)
-    };
-
-    let calibration = largest(Population::Specified, 1.0, 0.0, 0)?;
-    let uncertain = match e.threshold {
-        ThresholdKind::Adaptive => {
-            Some(largest(Population::Uncertain, calibration.level, 1.0, drives.len())?)
+            guaranteed: None,
+            peaks: None,
         }
-        _ => None,
-    };
-    let uncertainty_share = uncertain.as_ref().map_or(0.0, |ratio| e.margin * ratio.level);
-    let factor = uncertain.as_ref().map_or(e.margin, |ratio| e.margin * ratio.level);
-    Ok(Threshold {
-        threshold: factor * calibration.level,
-        uncertainty_share,
-        calibration: Some(calibration),
-        uncertain,
-    })
+    }
+}
+
+/// The threshold that `spec` asks for of a detector with `gains` of `theorem` and with
+/// `configuration`, whose own threshold is not looked at.
+///
+/// # Errors
+/// [`DesignError`] where the detector cannot run or monitors no sample, or where no bound is found.
+pub fn threshold(
+    spec: &Spec,
+    theorem: &Theorem4,
+    gains: &ObserverGains,
+    configuration: &Configuration,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Threshold, DesignError> {
+    let e = &spec.evaluation;
+    match e.threshold {
+        // A specification without the number is refused when it is read.
+        ThresholdKind::Constant => Ok(Threshold::constant(e.constant.unwrap_or_default())),
+        ThresholdKind::Calibrated => {
+            let level = largest(spec, configuration, Population::Specified, progress)?;
+            Ok(Threshold {
+                calibration: Some(level.clone()),
+                ..Threshold::constant(e.margin * level.level)
+            })
+        }
+        ThresholdKind::Adaptive => {
+            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let evaluation = Evaluation {
+                threshold: level.level,
+                uncertainty_share: 1.0,
+                ..configuration.evaluation
+            };
+            let bounded = Configuration { evaluation, ..*configuration };
+            let ratio = largest(spec, &bounded, Population::Uncertain, progress)?;
+            let factor = e.margin * ratio.level;
+            Ok(Threshold {
+                uncertainty_share: factor,
+                calibration: Some(level.clone()),
+                uncertain: Some(ratio),
+                ..Threshold::constant(factor * level.level)
+            })
+        }
+        ThresholdKind::Guaranteed => {
+            progress(Step::Guarantee);
+            let bounds = peak_bounds(spec, theorem, gains);
+            let (inputs, peaks) =
+                bounds.map_err(|input| DesignError::Guarantee { input })?.into_iter().unzip();
+            let undisturbed = without_inputs(spec);
+            let discretisation =
+                largest(&undisturbed, configuration, Population::Specified, progress)?;
+            let guaranteed = Guaranteed::new(inputs, discretisation);
+            Ok(Threshold {
+                peaks: Some(peaks),
+                guaranteed: Some(guaranteed.clone()),
+                ..Threshold::constant(e.margin * guaranteed.level())
+            })
+        }
+    }
+}
+
+/// The largest statistic of the drives that `spec` asks for.
+fn largest(
+    spec: &Spec,
+    configuration: &Configuration,
+    population: Population,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Level, DesignError> {
+    let drives = drives(spec);
+    let of = drives.len();
+    progress(Step::Calibration { done: 0, of });
+    let mut count = |done| progress(Step::Calibration { done, of });
+    calibrate(spec, configuration, &drives, population, &mut count)?.ok_or(DesignError::Calibration)
 }
 
 /// The threshold in a steady turn, cause by cause.

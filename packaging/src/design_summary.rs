@@ -42,12 +42,23 @@ pub struct DesignSummary {
     pub threshold: f64,
     /// What J tends to under the smallest fault of interest, at least.
     pub smallest_fault_j: f64,
+    /// Factor between level and threshold.
+    pub threshold_margin: f64,
     /// How the threshold was found.
     pub threshold_kind: ThresholdKind,
-    /// The same in words.
-    pub threshold_reason: String,
-    /// J_th in steady driving, cause by cause.
+    /// What J stays below without a fault, by its causes.
+    pub threshold_causes: Vec<Cause>,
+    /// J_th in steady driving, with what is uncertain.
     pub threshold_by_cause: Vec<SteadyThreshold>,
+}
+
+/// What a share of the threshold's level comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cause {
+    /// In words.
+    pub cause: String,
+    /// J that it can make up; `None` where that depends on the sample.
+    pub j: Option<f64>,
 }
 
 /// Figures of the synthesis.
@@ -94,8 +105,9 @@ impl DesignSummary {
             speeds_m_per_s: design.premise.v_x_m_per_s,
             threshold: design.evaluation.threshold,
             smallest_fault_j: performance.smallest_fault_residual,
+            threshold_margin: design.evaluation.margin,
             threshold_kind: design.evaluation.kind,
-            threshold_reason: reason(&design.evaluation),
+            threshold_causes: causes(&design.evaluation),
             threshold_by_cause: by_cause(&design.configuration()),
         }
     }
@@ -152,30 +164,62 @@ impl DesignSummary {
         rows.push(row(
             "threshold J_th",
             format!("{:.6}", self.threshold),
-            self.threshold_reason.clone(),
+            match self.threshold_kind {
+                ThresholdKind::Constant => "as specified".into(),
+                ThresholdKind::Adaptive => format!(
+                    "{} x what J can be without a fault, sample by sample:",
+                    self.threshold_margin
+                ),
+                _ => format!("{} x what J can be without a fault:", self.threshold_margin),
+            },
+        ));
+        rows.extend(self.threshold_causes.iter().map(|Cause { cause, j }| {
+            row("", j.map_or(String::new(), |j| format!("{j:.6}")), cause.clone())
+        }));
+        rows.push(row(
+            "smallest fault",
+            format!("{:.6}", self.smallest_fault_j),
+            "J that it tends to, at least".into(),
         ));
         let by_cause = aligned(&cause_rows(&self.threshold_by_cause), "    ");
         format!("{}  J_th in steady driving by cause, x 1e-3\n{by_cause}", aligned(&rows, "  "))
     }
 }
 
-/// Where the threshold comes from.
-fn reason(evaluation: &EvaluationDesign) -> String {
-    let EvaluationDesign { margin, calibration, uncertain, uncertainty_share, .. } = evaluation;
-    match (calibration, uncertain) {
-        (Some(level), Some(ratio)) => format!(
-            "and {uncertainty_share:.3} x what is uncertain can do: {margin} x the largest J / J_th, {:.3}, of {} fault-free \
-             drives, {}",
-            ratio.level,
+/// The shares of the threshold's level.
+pub fn causes(evaluation: &EvaluationDesign) -> Vec<Cause> {
+    let ratio = evaluation.uncertain.as_ref();
+    let share = ratio.map_or(1.0, |ratio| ratio.level);
+    let mut causes = Vec::new();
+    if let Some(level) = &evaluation.calibration {
+        let cause = format!(
+            "simulated: noise and disturbances, largest of {} fault-free drives{}; {}",
+            level.drives,
+            if ratio.is_some() { format!(" x {share:.3}") } else { String::new() },
+            confidence(level)
+        );
+        causes.push(Cause { cause, j: Some(share * level.level) });
+    }
+    if let Some(ratio) = ratio {
+        let cause = format!(
+            "and up: what is uncertain can do x {share:.3}, the largest J / J_th of {} fault-free \
+             drives of uncertain vehicles; {}",
             ratio.drives,
             confidence(ratio)
-        ),
-        (Some(level), None) => {
-            let drives = level.drives;
-            format!("{margin} x the largest J of {drives} fault-free drives, {}", confidence(level))
-        }
-        _ => "as specified".into(),
+        );
+        causes.push(Cause { cause, j: None });
     }
+    if let Some(guaranteed) = &evaluation.guaranteed {
+        causes.extend(guaranteed.inputs.iter().map(|input| Cause {
+            cause: format!("proven: {}, up to {} {}", input.name, input.bound, input.unit),
+            j: Some(input.j),
+        }));
+        let level = &guaranteed.discretisation;
+        let drives = level.drives;
+        let cause = format!("simulated: discretisation, largest of {drives} undisturbed drives");
+        causes.push(Cause { cause, j: Some(level.level) });
+    }
+    causes
 }
 
 /// What the largest of that many drives says of the next one.
@@ -186,7 +230,7 @@ fn confidence(level: &Level) -> String {
 /// A head, then a row a point: speed, lateral acceleration, each cause, J_th and the J of the smallest
 /// fault, J in thousandths.
 pub fn cause_rows(points: &[SteadyThreshold]) -> Vec<Vec<String>> {
-    let head = ["v_x m/s", "a_y m/s^2", "noise, disturbances"].into_iter();
+    let head = ["v_x m/s", "a_y m/s^2", "level"].into_iter();
     let head = head.chain(UNCERTAINTIES).chain(["J_th", "smallest fault"]).map(String::from);
     let rows = points.iter().map(|point| {
         let speed = [point.v_x_m_per_s, point.lateral_acceleration_m_per_s2];

@@ -10,7 +10,7 @@ use steerguard_model_description::{
     Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
 };
 
-use crate::design_summary::cause_rows;
+use crate::design_summary::{Cause, cause_rows};
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\
@@ -53,9 +53,10 @@ before initialisation ends; <code>vehicle.*</code> carry the names that the dete
 was designed for, <code>actuator.*</code> those of its <code>design.actuator.*</code>. <code>fault</code> is added to the angle of the steering actuator.</p>
 ";
 
-/// What the page of `SteeringFaultDetector.fmu` says of it and of the design inside.
-pub fn detector(design: &BakedDesign) -> String {
-    format!("{DETECTOR}{}", summary(design))
+/// What the page of `SteeringFaultDetector.fmu` says of it, of the design inside and of the causes of
+/// its threshold.
+pub fn detector(design: &BakedDesign, causes: &[Cause]) -> String {
+    format!("{DETECTOR}{}{}", summary(design), threshold(causes, &design.configuration))
 }
 
 /// The page of an FMU: `about` it, then all variables with their values in a fresh instance.
@@ -177,17 +178,22 @@ fn summary(design: &BakedDesign) -> String {
     ] {
         let _infallible = writeln!(text, "<tr><th>{name}<td>{}", escaped(&value));
     }
-    text + "</table>\n" + &threshold(configuration)
+    text + "</table>\n"
 }
 
-/// The threshold in steady driving, cause by cause.
-fn threshold(configuration: &Configuration) -> String {
+/// What J can be without a fault, by its causes, and the threshold in steady driving.
+fn threshold(causes: &[Cause], configuration: &Configuration) -> String {
     let mut text = String::from(
-        "<h2>Threshold</h2>\n<p>J_th after the start-up in steady driving, cause by cause, and the J that \
-         the smallest fault of interest makes alone, in thousandths. In manoeuvres J_th follows the \
-         signals; <code>detectability</code> is that J over J_th at every sample.</p>\n\
-         <table class=\"figures\">\n",
+        "<h2>Threshold</h2>\n<p>The threshold after the start-up is the sum of what <code>J_rms</code> can \
+         be without a fault, times a margin.</p>\n<table>\n<tr><th>Cause<th>J_rms, at most\n",
     );
+    for Cause { cause, j } in causes {
+        let j = j.map_or("by the sample".into(), |j| format!("{j:.6}"));
+        let _infallible = writeln!(text, "<tr><td>{}<td>{j}", escaped(cause));
+    }
+    text += "</table>\n<p>J_th in steady driving, and the J that the smallest fault of interest makes \
+             alone, in thousandths. In manoeuvres J_th follows the signals; <code>detectability</code> \
+             is that J over J_th at every sample.</p>\n<table class=\"figures\">\n";
     for (row, cells) in cause_rows(&by_cause(configuration)).iter().enumerate() {
         let tag = if row == 0 { "th" } else { "td" };
         let cells: String = cells.iter().map(|x| format!("<{tag}>{}", escaped(x))).collect();

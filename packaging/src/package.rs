@@ -10,6 +10,7 @@ use steerguard_plant::{PlantModel, PlantVariable};
 
 use crate::archive::Archive;
 use crate::bake::{BakeError, bake};
+use crate::design_summary::Cause;
 use crate::documentation;
 use crate::platform::Platform;
 use crate::reference;
@@ -56,17 +57,22 @@ pub enum PackageError {
     Write(#[from] io::Error),
 }
 
-/// The bytes of `SteeringFaultDetector.fmu` with `design` in it: the same for the same arguments.
+/// The bytes of `SteeringFaultDetector.fmu` with `design` in it, the causes of whose
+/// threshold its documentation states: the same for the same arguments.
 ///
 /// # Errors
 /// [`PackageError`].
-pub fn detector_fmu(design: &BakedDesign, runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
+pub fn detector_fmu(
+    design: &BakedDesign,
+    causes: &[Cause],
+    runtimes: &Runtimes,
+) -> Result<Vec<u8>, PackageError> {
     let payload = design.encode()?;
     let model = DetectorModel::new(&payload).map_err(PackageError::Model)?;
     let parts = Parts {
         payload: &payload,
         step_s: design.configuration.model.sampling_period_s,
-        about: documentation::detector(design),
+        about: documentation::detector(design, causes),
         reference: reference::detector(&design.configuration)
             .map_err(DesignError::Configuration)?,
     };

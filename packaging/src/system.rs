@@ -23,6 +23,7 @@ use steerguard_plant::PlantModel;
 
 use crate::archive::Archive;
 use crate::cosimulation::name_in_plant;
+use crate::design_summary::Cause;
 use crate::package::{PackageError, STOP_TIME_S, detector_fmu, plant_fmu};
 use crate::reference;
 use crate::runtime::Runtimes;
@@ -47,6 +48,7 @@ type Xml = Writer<Vec<u8>>;
 /// [`PackageError`].
 pub fn system_ssp(
     design: &BakedDesign,
+    causes: &[Cause],
     detector: &Runtimes,
     plant: &Runtimes,
 ) -> Result<Vec<u8>, PackageError> {
@@ -57,7 +59,7 @@ pub fn system_ssp(
     };
     let mut archive = Archive::system(structure(&experiment)?);
     archive.insert(PARAMETERS, parameter_set(&parameters(design)?)?);
-    archive.insert(source(&DetectorModel::INFO), detector_fmu(design, detector)?);
+    archive.insert(source(&DetectorModel::INFO), detector_fmu(design, causes, detector)?);
     archive.insert(source(&PlantModel::INFO), plant_fmu(plant)?);
     archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
 }

@@ -57,7 +57,7 @@ const SETTINGS: Settings = Settings {
 
 fn bench() -> TestBench {
     TestBench {
-        detector: open(&detector_fmu(&common::design(), &Runtimes::detector()).unwrap()),
+        detector: open(&detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap()),
         plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: SUBJECT,
     }
@@ -106,7 +106,7 @@ fn drives_are_driven_through_their_actuator() {
     let (mut knowing, unaware) = (common::design(), bench());
     knowing.configuration.actuator = actuator;
     let knowing = TestBench {
-        detector: open(&detector_fmu(&knowing, &Runtimes::detector()).unwrap()),
+        detector: open(&detector_fmu(&knowing, &[], &Runtimes::detector()).unwrap()),
         plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: Subject { actuator, ..SUBJECT },
     };

@@ -49,7 +49,8 @@ fn designed(method: &str) -> Design {
 
 /// J without and with a fault of 1 degree, both without their transients: the largest, the smallest.
 fn levels(design: &Design, speed: f64) -> (f64, f64) {
-    let detector = open(&detector_fmu(&baked(design).unwrap(), &Runtimes::detector()).unwrap());
+    let detector =
+        open(&detector_fmu(&baked(design).unwrap(), &[], &Runtimes::detector()).unwrap());
     let plant = open(&plant_fmu(&Runtimes::plant()).unwrap());
     let scenario = Scenario {
         steering_fault_deg: Signal { offset: 1.0, start_s: 10.0, ..Signal::default() },

@@ -13,7 +13,7 @@ use steerguard::system::system_ssp;
 use steerguard_fmu::BakedDesign;
 
 fn system(design: &BakedDesign) -> Vec<u8> {
-    system_ssp(design, &Runtimes::detector(), &Runtimes::plant()).unwrap()
+    system_ssp(design, &[], &Runtimes::detector(), &Runtimes::plant()).unwrap()
 }
 
 fn entry(ssp: &[u8], name: &str) -> Vec<u8> {

@@ -99,6 +99,49 @@ impl Channels {
     }
 }
 
+/// Every disturbance, then every bounded noise, by itself and in units of its bound.
+///
+/// # Errors
+/// [`Refusal`]: a bound that is not positive, or noise without one.
+pub fn bounded_inputs(design: &Design) -> Result<Vec<BoundedInput>, Refusal> {
+    let noise = &design.spec.noise;
+    for (sensor, white_std, bound) in [
+        (SENSORS[0], noise.v_x.white_std_m_per_s, noise.v_x.bound_m_per_s),
+        (SENSORS[1], noise.r.white_std_rad_per_s, noise.r.bound_rad_per_s),
+    ] {
+        if white_std != 0.0 && bound.is_none() {
+            return Err(Refusal::UnboundedNoise { sensor });
+        }
+    }
+    let d = design.d()?;
+    let mut inputs = Vec::new();
+    for (index, disturbance) in design.spec.disturbance.iter().enumerate() {
+        let bound = disturbance.bound();
+        let exact = positive(&format!("spec.disturbance[{index}]: bound"), bound)?;
+        let mut channel = Channel::empty(Band::Full);
+        channel.direction = d.column(index).times(&exact);
+        inputs.push(BoundedInput { name: disturbance.name().into(), bound, channel });
+    }
+    for (signal, bound, _) in noise.bounded() {
+        let sensor = SENSORS[signal];
+        let exact = positive(&format!("spec.noise.{sensor}: bound"), bound)?;
+        let mut channel = Channel::empty(Band::Full);
+        channel.noise = unit_column(signal).times(&exact);
+        inputs.push(BoundedInput { name: format!("noise of {sensor}"), bound, channel });
+    }
+    Ok(inputs)
+}
+
+/// An input by itself.
+pub struct BoundedInput {
+    /// Its name.
+    pub name: String,
+    /// Its bound, in its unit.
+    pub bound: f64,
+    /// Its column, in units of the bound.
+    pub channel: Channel,
+}
+
 /// D_y, 2 x n_y, as the specification gives it.
 pub fn d_y(design: &Design) -> Matrix {
     let signals = design.spec.noise.bounded();
@@ -118,7 +161,11 @@ fn of_band(blocks: &mut Vec<Channel>, band: Band) -> &mut Channel {
     &mut blocks[index]
 }
 
-fn positive(key: &str, value: f64) -> Result<Rational, Refusal> {
+/// The exact value of a positive number.
+///
+/// # Errors
+/// [`Refusal::NotPositive`].
+pub fn positive(key: &str, value: f64) -> Result<Rational, Refusal> {
     match value > 0.0 {
         true => Ok(exact(value)),
         false => Err(Refusal::NotPositive { key: key.into(), value }),

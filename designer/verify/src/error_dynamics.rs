@@ -107,6 +107,12 @@ impl ErrorDynamics {
         vertices.into_iter().flat_map(|vertex| [0, 1].map(|end| of(end, vertex))).collect()
     }
 
+    /// What noise of `channel` starts the error with: `z_0 = M C' y` makes it `-M C' D_y v`.
+    pub fn start(&self, channel: &Channel) -> Matrix {
+        let c_transposed = Matrix::exactly(&[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]);
+        -&(&(&self.m * &c_transposed) * &channel.noise)
+    }
+
     /// `W_r C`.
     pub fn output(&self) -> &Matrix {
         &self.output

@@ -58,6 +58,13 @@ pub struct Spec {
     pub fault: Vec<Fault>,
     pub disturbance: Vec<Disturbance>,
     pub noise: Noise,
+    pub evaluation: EvaluationOfSpec,
+}
+
+#[derive(Deserialize)]
+pub struct EvaluationOfSpec {
+    pub window_samples: f64,
+    pub threshold: String,
 }
 
 #[derive(Deserialize)]
@@ -84,6 +91,7 @@ pub struct Noise {
 
 #[derive(Deserialize)]
 pub struct SpeedNoise {
+    pub white_std_m_per_s: f64,
     pub bound_m_per_s: Option<f64>,
     /// Null for all frequencies.
     pub band_hz: Option<[f64; 2]>,
@@ -91,6 +99,7 @@ pub struct SpeedNoise {
 
 #[derive(Deserialize)]
 pub struct YawRateNoise {
+    pub white_std_rad_per_s: f64,
     pub bound_rad_per_s: Option<f64>,
     /// Null for all frequencies.
     pub band_hz: Option<[f64; 2]>,
@@ -130,8 +139,33 @@ pub struct Rule {
 
 #[derive(Deserialize)]
 pub struct Evaluation {
+    pub kind: String,
+    pub window: f64,
     pub weights: [f64; 2],
+    pub threshold: f64,
     pub start_up: StartUp,
+    pub guaranteed: Option<Guaranteed>,
+}
+
+/// The claim of a guaranteed threshold.
+#[derive(Deserialize)]
+pub struct Guaranteed {
+    pub bound: f64,
+    pub inputs: Vec<InputBound>,
+    pub discretisation: Discretisation,
+}
+
+#[derive(Deserialize)]
+pub struct InputBound {
+    pub name: String,
+    pub bound: f64,
+    pub j: f64,
+}
+
+/// What is simulated, not proven.
+#[derive(Deserialize)]
+pub struct Discretisation {
+    pub level: f64,
 }
 
 #[derive(Deserialize)]
@@ -162,6 +196,19 @@ pub struct Certificate {
     #[serde(rename = "P_s")]
     pub p_s: [Rows3; RULES],
     pub a_posteriori: Option<APosteriori>,
+    /// For each of `evaluation.guaranteed.inputs`.
+    pub peaks: Option<Vec<PeakCertificate>>,
+}
+
+#[derive(Deserialize)]
+pub struct PeakCertificate {
+    pub lambda: f64,
+    pub gain: f64,
+    pub energy: f64,
+    #[serde(rename = "P")]
+    pub p: [Rows3; RULES],
+    #[serde(rename = "V")]
+    pub v: [Rows3; RULES],
 }
 
 #[derive(Deserialize)]
@@ -219,7 +266,17 @@ impl Design {
                 return Err(Refusal::Contradiction { key: key.into() });
             }
         }
-        Ok((Self::deserialize(&content)?, hash))
+        let design = Self::deserialize(&content)?;
+        let (evaluation, of_spec) = (&design.evaluation, &design.spec.evaluation);
+        for (key, agrees) in [
+            ("evaluation.window", evaluation.window == of_spec.window_samples),
+            ("evaluation.kind", evaluation.kind == of_spec.threshold),
+        ] {
+            if !agrees {
+                return Err(Refusal::Contradiction { key: key.into() });
+            }
+        }
+        Ok((design, hash))
     }
 
     /// D, 3 x n_d.

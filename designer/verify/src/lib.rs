@@ -10,8 +10,8 @@
 //! the disturbances and bounded sensor noise of a band. Matrices stored in the file prove, see
 //! [`Family`]: its decay; the smallest gain beta from the first fault and the largest gain gamma
 //! from each band of the disturbances among errors as slow as the band (METHOD.md 5.3); gamma of
-//! all disturbances for all frequencies; and the bound on the residual after a start. How the gains
-//! were found plays no part.
+//! all disturbances for all frequencies; the bound on the residual after a start; and, where the
+//! threshold is guaranteed, the bound on J (METHOD.md 6). How the gains were found plays no part.
 //!
 //! # Conventions
 //! - i, j: rules of this sample; k: rule of the next; rho: one of its two extremes; the weighted residual is
@@ -26,6 +26,7 @@ mod error_dynamics;
 mod exact;
 mod file;
 mod model;
+mod peak;
 mod premise;
 mod proof;
 mod verdict;
@@ -158,6 +159,12 @@ pub enum Refusal {
         combination: Combination,
         /// What its elimination met.
         reason: NotPositive,
+    },
+    /// A guaranteed threshold without a bound on the noise.
+    #[error("noise of {sensor} is white without a bound: no threshold can be guaranteed")]
+    UnboundedNoise {
+        /// Its sensor.
+        sensor: &'static str,
     },
     /// A figure beyond what the certificate's other figures give.
     #[error("`{key}` = {claimed} is more than is proven: {proven}")]

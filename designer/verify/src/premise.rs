@@ -29,6 +29,9 @@ use crate::exact::{Matrix, Rational, exact, whole};
 use crate::file::Design;
 use crate::model::Coefficients;
 
+/// Vertices of K at each control point of the speed: the corners of (v_y, r).
+pub const VERTICES_OF_SPEED: usize = 4;
+
 /// `(v_x, s, s^2)`, or a point that its hull is spanned by.
 type OfSpeed = [Rational; 3];
 
@@ -55,6 +58,24 @@ fn control_points([slowest, fastest]: [f64; 2]) -> [OfSpeed; 4] {
         let weight = (a + b + c) / whole(3);
         let squares = (a * b + b * c + a * c) / whole(3);
         [weight.recip(), squares / &weight, a * b * c / weight]
+    })
+}
+
+/// Ends that the share of the rules of the lowest speed lies between at each control point: that of
+/// the measured speed, which K's speeds are up to the noise of v_x away from.
+///
+/// K is a mean over the segment between true and measured premise. At a speed v of that segment
+/// `(v, s, s^2)` is a mean of the control points, and the share, affine in s, is the same mean of
+/// theirs, up to what `|1/v - 1/w| = |v - w| / (v w)` adds for the measured speed w.
+pub fn speed_memberships(design: &Design) -> [[Rational; 2]; 4] {
+    let v_x = design.premise.v_x_m_per_s;
+    let [slowest, fastest] = v_x.map(exact);
+    let width = slowest.recip() - fastest.recip();
+    let noise = exact(design.spec.noise.v_x.bound_m_per_s.unwrap_or(0.0));
+    let apart = &noise / (&slowest * (&slowest + &noise)) / &width;
+    control_points(v_x).map(|[_, s, _]| {
+        let share = (s - fastest.recip()) / &width;
+        [&share - &apart, &share + &apart]
     })
 }
 
@@ -149,6 +170,30 @@ pub mod tests {
             prop_assert_eq!(vertices.len(), weights.len());
             let terms = vertices.iter().zip(&weights).map(|(vertex, weight)| vertex.times(weight));
             prop_assert_eq!(terms.fold(Matrix::zeros(3, 2), |sum, term| &sum + &term), k);
+        }
+
+        /// The measured speed's share and a speed between it and the true one: the share lies between
+        /// the means of the ends at the control points, with the weights that give that speed's K.
+        #[test]
+        fn speed_memberships_hold_true_and_measured_speed(
+            (v_x, other) in (5.0..30.0, 5.0..30.0), bound in 0.001..30.0, between in 0.0..=1.0,
+        ) {
+            let mut design = design();
+            design.spec.noise.v_x.bound_m_per_s = Some(bound);
+            let measured = f64::clamp(other, v_x - bound, v_x + bound);
+            let [v_x, measured, between] = [v_x, measured, between].map(exact);
+            let speed = &v_x + &between * (&measured - &v_x);
+            let [slowest, fastest] = design.premise.v_x_m_per_s.map(|v_x| exact(v_x).recip());
+            let share = (measured.recip() - &fastest) / (slowest - fastest);
+
+            let weights = weights(&design, &speed, &whole(0), &whole(0));
+            let mut ends = [whole(0), whole(0)];
+            for (at_speed, of_speed) in weights.chunks(4).zip(speed_memberships(&design)) {
+                for (end, at) in ends.iter_mut().zip(of_speed) {
+                    *end += at_speed.iter().sum::<Rational>() * at;
+                }
+            }
+            prop_assert!(ends[0] <= share && share <= ends[1]);
         }
 
         /// K against the difference of the model's own equations (1)-(3) at two measured premises,

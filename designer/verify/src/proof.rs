@@ -9,6 +9,7 @@ use crate::channel::{Channel, Channels};
 use crate::error_dynamics::{Course, ErrorDynamics};
 use crate::exact::{Matrix, Rational, approximate, exact, whole};
 use crate::file::{APosteriori, Certified, Design, GainCertificate, RULES, Rows3};
+use crate::peak::prove_peaks;
 use crate::verdict::{Figures, Margin};
 
 /// A family of inequalities.
@@ -30,6 +31,11 @@ pub enum Family {
     DisturbanceAttenuation(usize),
     /// gamma of all frequencies and all disturbances: the same with Q = 0.
     FullBandAttenuation,
+    /// The bound on J under one input `|w| <= 1`, counted from 0, with `S = [N, B]` and
+    /// `P_h = sum h_i P_i`: `P_i, V_i > 0`, `energy P_i > V_i`, at the start `e_0' P_i e_0 < 1`, and at all
+    /// vertices of the premise, rho and K `diag(lambda P_h, 1 - lambda) > S' P_k S` and
+    /// `diag(V_h, gain^2) - [W_r C, D_r]' [W_r C, D_r] > S' V_k S`.
+    Peak(usize),
 }
 
 impl fmt::Display for Family {
@@ -42,6 +48,7 @@ impl fmt::Display for Family {
                 return f.pad(&format!("disturbance attenuation, gamma[{band}]"));
             }
             Self::FullBandAttenuation => "disturbance attenuation, full band",
+            Self::Peak(input) => return f.pad(&format!("bound on J, input[{input}]")),
         })
     }
 }
@@ -61,6 +68,13 @@ pub enum Combination {
         k: usize,
         /// Slope of phi.
         rho: f64,
+    },
+    /// A vertex of premise, rho and K, and the next sample's rule.
+    Vertex {
+        /// Vertex.
+        vertex: usize,
+        /// Rule of the next sample.
+        k: usize,
     },
     /// A pair of rules, their successor, rho and K.
     Pair {
@@ -83,6 +97,7 @@ impl fmt::Display for Combination {
             Self::Rule(i) => write!(f, "rule i = {i}"),
             Self::Q => write!(f, "Q > 0"),
             Self::Successor { i, k, rho } => write!(f, "rules i = {i}, k = {k}, rho = {rho}"),
+            Self::Vertex { vertex, k } => write!(f, "vertex {vertex} of the premise, k = {k}"),
             Self::Pair { i, j, k, rho, vertex } => {
                 write!(f, "rules i = {i}, j = {j}, k = {k}, rho = {rho}")?;
                 vertex.map_or(Ok(()), |vertex| write!(f, ", vertex {vertex} of K"))
@@ -134,7 +149,8 @@ pub fn prove(design: &Design) -> Result<(Figures, Vec<Margin>), Refusal> {
             .map(|gain| gain.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         others.into_iter().chain(joined).collect()
     });
-    let margins = margins?;
+    let mut margins = margins?;
+    margins.extend(prove_peaks(dynamics, design)?);
     let Certified { beta, gamma, gap, gamma_full_band, decay } = *claimed;
     Ok((Figures { beta, gamma, gap, gamma_full_band, decay }, margins))
 }
@@ -202,17 +218,17 @@ fn check_decay(key: &'static str, decay: f64) -> Result<(), Refusal> {
 }
 
 /// Counts the inequalities of a family and keeps the smallest margin.
-struct Tally {
-    margin: Margin,
+pub(crate) struct Tally {
+    pub(crate) margin: Margin,
 }
 
 impl Tally {
-    fn new(family: Family) -> Self {
+    pub(crate) fn new(family: Family) -> Self {
         Self { margin: Margin { family, inequalities: 0, smallest_pivot: f64::INFINITY } }
     }
 
     /// Proves `X > 0`.
-    fn prove(&mut self, x: &Matrix, combination: Combination) -> Result<(), Refusal> {
+    pub(crate) fn prove(&mut self, x: &Matrix, combination: Combination) -> Result<(), Refusal> {
         let family = self.margin.family;
         let pivot = x.positive_definite().map_err(|reason| Refusal::Broken {
             family,
@@ -234,7 +250,7 @@ impl Tally {
     }
 
     /// The exact values of stored symmetric matrices P_i.
-    fn p(&self, p: &[Rows3; RULES]) -> Result<Vec<Matrix>, Refusal> {
+    pub(crate) fn p(&self, p: &[Rows3; RULES]) -> Result<Vec<Matrix>, Refusal> {
         p.iter().map(|p| self.symmetric(p, "P")).collect()
     }
 

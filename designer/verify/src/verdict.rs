@@ -5,7 +5,7 @@ use std::fmt;
 use crate::Refusal;
 use crate::band::Band;
 use crate::channel::Channels;
-use crate::file::{Design, Fault};
+use crate::file::{Design, Fault, Guaranteed};
 use crate::proof::Family;
 
 /// A proven design.
@@ -121,14 +121,30 @@ fn statements(
             "From e_0 = [0, v_y, 0] in S_x, without inputs, ||W_r r_j|| <= {} * {}^j.",
             start_up.amplitude, start_up.decay,
         ),
-        format!(
-            "The stored gains satisfy the observer's equations up to {:.1e}: the error obeys its \
+    ]);
+    statements.extend(guaranteed(design));
+    statements.extend([format!(
+        "The stored gains satisfy the observer's equations up to {:.1e}: the error obeys its \
              equation up to an additional input no larger than that times the sum of |x|, and \
              the rounding of the detector's own arithmetic.",
-            f64::max(residues.m, residues.observer_equation),
-        ),
-    ]);
+        f64::max(residues.m, residues.observer_equation),
+    )]);
     statements
+}
+
+/// What a guaranteed threshold covers.
+fn guaranteed(design: &Design) -> Option<String> {
+    let Guaranteed { bound, inputs, discretisation } = design.evaluation.guaranteed.as_ref()?;
+    let inputs: Vec<String> =
+        inputs.iter().map(|x| format!("{} ({}): {}", x.name, x.bound, x.j)).collect();
+    Some(format!(
+        "Without a fault, for x, x^ and the measured premise in S_x, any courses of premise and rho, \
+         from a start of the observer on, and with every input within its bound at every sample: \
+         J < {bound} plus the start-up term, the sum of what each can do: {}. This is of the model \
+         (7); the {} that the threshold holds for its discretisation are simulated.",
+        inputs.join(", "),
+        discretisation.level,
+    ))
 }
 
 /// gamma of each band of the disturbances, and of all.

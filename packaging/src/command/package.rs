@@ -8,7 +8,7 @@ use steerguard_fmu::BakedDesign;
 
 use super::{input, print};
 use crate::cli::PackageArguments;
-use crate::design_summary::baked;
+use crate::design_summary::{baked, causes};
 use crate::failure::{Exit, Failure};
 use crate::output;
 use crate::package::{PackageError, detector_fmu, plant_fmu};
@@ -65,7 +65,7 @@ pub(super) fn detector(
     runtimes: &Runtimes,
     path: &Path,
 ) -> Result<Packaged, Failure> {
-    write(path, detector_fmu(&payload(design)?, runtimes))
+    write(path, detector_fmu(&payload(design)?, &causes(&design.evaluation), runtimes))
 }
 
 fn payload(design: &Design) -> Result<BakedDesign, Failure> {
@@ -79,7 +79,10 @@ pub(super) fn plant(path: &Path) -> Result<Packaged, Failure> {
 
 /// Packages detector and reference vehicle as a connected system.
 fn system(design: &Design, runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failure> {
-    write(path, system_ssp(&payload(design)?, runtimes, &Runtimes::plant()))
+    write(
+        path,
+        system_ssp(&payload(design)?, &causes(&design.evaluation), runtimes, &Runtimes::plant()),
+    )
 }
 
 fn write(path: &Path, fmu: Result<Vec<u8>, PackageError>) -> Result<Packaged, Failure> {
