@@ -44,7 +44,7 @@ const END_S: f64 = 6.0;
 fn detector(actuator: &str) -> (Fmu, f64) {
     let design = design(&Spec::from_toml(&format!("{actuator}\n{PAPER}")).unwrap(), &mut |_| {});
     let design = design.unwrap();
-    let bytes = detector_fmu(&baked(&design).unwrap(), &Runtimes::detector()).unwrap();
+    let bytes = detector_fmu(&baked(&design).unwrap(), &[], &Runtimes::detector()).unwrap();
     (open(&bytes), design.evaluation.threshold)
 }
 

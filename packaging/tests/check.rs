@@ -23,7 +23,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 type Entries = Vec<(String, Vec<u8>)>;
 
 static FMU: LazyLock<Vec<u8>> =
-    LazyLock::new(|| detector_fmu(&common::design(), &Runtimes::detector()).unwrap());
+    LazyLock::new(|| detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap());
 
 static LIBRARY: LazyLock<String> =
     LazyLock::new(|| Platform::HOST.unwrap().library_path("SteeringFaultDetector"));

@@ -32,7 +32,7 @@ fn packaging_twice_gives_the_same_bytes() {
 fn the_fmus_are_the_packaged_ones() {
     let ssp = system(&common::design());
     let detector = entry(&ssp, "resources/SteeringFaultDetector.fmu");
-    assert_eq!(detector, detector_fmu(&common::design(), &Runtimes::detector()).unwrap());
+    assert_eq!(detector, detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap());
     let plant = entry(&ssp, "resources/VehiclePlant.fmu");
     assert_eq!(plant, plant_fmu(&Runtimes::plant()).unwrap());
     for fmu in [detector, plant] {

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::ptr;
 
 use libloading::Library;
-use steerguard::design_summary::baked;
+use steerguard::design_summary::{baked, causes};
 use steerguard::package::detector_fmu;
 use steerguard::platform::Platform;
 use steerguard::runtime::Runtimes;
@@ -27,7 +27,7 @@ pub type Error = Box<dyn std::error::Error>;
 /// What designing and packaging say.
 pub fn paper() -> Result<(Configuration, Vec<u8>), Error> {
     let design = design(&Spec::paper(), &mut |_| {})?;
-    let fmu = detector_fmu(&baked(&design)?, &Runtimes::detector())?;
+    let fmu = detector_fmu(&baked(&design)?, &causes(&design.evaluation), &Runtimes::detector())?;
     Ok((design.configuration(), fmu))
 }
 
