@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from drives import Bench, read_design
+from drives import Bench, Incomparable, read_design
 from judgement import Outcomes, peaks, threshold
 from kalman import Tuning, Vehicle, cusum, innovations, windowed_mean
 
@@ -323,6 +323,11 @@ def compare(arguments):
         ):
             bench.make(source, design)
         design = read_design(made[0])
+        if any(design["spec"]["actuator"].values()):
+            raise Incomparable(
+                "the design has an [actuator], and the filters, which are given the command, know "
+                "of none: compare the design without it"
+            )
         comparison = Comparison(bench, arguments, design["sampling_period_s"], Vehicle.of(design))
         settings = {k: v for k, v in vars(arguments).items() if isinstance(v, (int, float))}
         hashes = {"design": design["hash"], "paper": read_design(made[1])["hash"]}
@@ -331,7 +336,10 @@ def compare(arguments):
 
 def main():
     arguments = parser().parse_args()
-    result = compare(arguments)
+    try:
+        result = compare(arguments)
+    except Incomparable as error:
+        sys.exit(f"error: {error}")
     print(text(result))
     if arguments.output:
         Path(arguments.output).write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")

@@ -11,10 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as parquet
-from kalman import windowed_mean
 
 MONITORING = 2
 TOGETHER = 250  # drives in memory
+
+
+class Incomparable(ValueError):
+    """Designs that this comparison cannot do justice to."""
 
 
 @dataclass
@@ -72,17 +75,19 @@ def records(file, groups):
 
 def start_up(evaluation, armed):
     """The start-up term of J_th, T x D (METHOD.md 6); 0 while not armed."""
-    samples = np.arange(len(armed))[:, None]
-    age = samples - np.maximum.accumulate(np.where(armed, 0, samples + 1))
-    of = evaluation["start_up"]
-    norms = of["amplitude"] * of["decay"] ** np.maximum(age, 0)
-    return np.sqrt(windowed_mean(norms**2, armed, evaluation["window"]))
+    samples = 1 + np.arange(len(armed))[:, None]
+    since = samples - np.maximum.accumulate(np.where(armed, 0, samples))  # samples, this one too
+    window, of = evaluation["window"], evaluation["start_up"]
+    within = np.minimum(since, window)
+    decay = of["decay"] ** 2
+    squares = decay ** (since - within) * (1 - decay**within) / (1 - decay)
+    return of["amplitude"] * np.sqrt(squares / window)
 
 
 def joined(evaluation, ours, papers):
     for name in GIVEN:
         if not np.array_equal(ours[name], papers[name]):
-            raise ValueError(
+            raise Incomparable(
                 f"the two designs do not get the same {name}: their vehicles, armed ranges and "
                 "calibration manoeuvres must agree"
             )
