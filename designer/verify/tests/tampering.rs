@@ -17,6 +17,9 @@ const GAP: &str = include_str!("fixtures/gap.json");
 /// faults; weights.
 const NOISE: &str = include_str!("fixtures/noise.json");
 
+/// A guaranteed threshold, with side wind and bounded noise of both sensors.
+const GUARANTEED: &str = include_str!("fixtures/guaranteed.json");
+
 fn parsed(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
@@ -437,4 +440,139 @@ fn what_is_no_design_file_is_unreadable() {
         design.as_object_mut().unwrap().remove("M");
     });
     refused!(incomplete, Refusal::Unreadable(_));
+}
+
+/// What becomes of the guaranteed threshold whose number at `pointer` is multiplied.
+fn guaranteed_times(pointer: &str, factor: f64) -> Result<Verdict, Refusal> {
+    forged(GUARANTEED, |design| each(design, &[pointer], |x| factor * x))
+}
+
+#[test]
+fn guaranteed_threshold_is_proven() {
+    let verdict = verify(GUARANTEED).unwrap();
+    let peaks: Vec<usize> = verdict
+        .margins
+        .iter()
+        .filter(|margin| matches!(margin.family, Family::Peak(_)))
+        .map(|margin| margin.inequalities)
+        .collect();
+    // 3 for each rule, with noise 4; at the vertices of rules and rho, or of speed, its slack, r and
+    // rho in h and v_y, r in K (that of r does not depend on r), 4 successors of P and V.
+    assert_eq!(peaks, [12 + 8 * 8, 16 + 128 * 8, 16 + 64 * 8]);
+    assert!(verdict.to_string().contains("of what each can do: side wind (0.1): "));
+    // The margin is the designer's choice: a higher threshold claims less.
+    assert!(guaranteed_times("/evaluation/threshold", 1.1).is_ok());
+}
+
+#[test]
+fn claims_of_a_guaranteed_threshold_beyond_its_proof_are_refused() {
+    for pointer in [
+        "/evaluation/threshold",
+        "/evaluation/guaranteed/bound",
+        "/evaluation/guaranteed/inputs/0/j",
+        "/evaluation/guaranteed/inputs/2/j",
+    ] {
+        refused!(guaranteed_times(pointer, 0.5), Refusal::Claim { .. });
+    }
+    refused!(guaranteed_times("/evaluation/guaranteed/inputs/1/j", -1.0), Refusal::Claim { .. });
+    refused!(
+        guaranteed_times("/evaluation/guaranteed/inputs/0/bound", 0.5),
+        Refusal::Contradiction { .. }
+    );
+}
+
+#[test]
+fn altered_numbers_of_a_peak_certificate_are_refused() {
+    for input in 0..3 {
+        for (number, factor) in [
+            ("lambda", 0.9),
+            ("gain", 0.9),
+            ("energy", 0.5),
+            ("P/0/0/0", 0.1),
+            ("P/3/1/1", 10.0),
+            ("V/1/1/1", 0.1),
+            ("V/2/2/2", 10.0),
+        ] {
+            let pointer = format!("/certificate/peaks/{input}/{number}");
+            broken(guaranteed_times(&pointer, factor), Family::Peak(input));
+        }
+        let pointer = format!("/certificate/peaks/{input}/lambda");
+        refused!(guaranteed_times(&pointer, 1.2), Refusal::Range { .. });
+        refused!(
+            forged(GUARANTEED, |design| {
+                each(design, &[&format!("/certificate/peaks/{input}/P/0/0/1")], |x| x + 1e-3);
+            }),
+            Refusal::NotSymmetric { .. }
+        );
+    }
+    let swapped = forged(GUARANTEED, |design| {
+        swap(design, "/certificate/peaks/0", "/certificate/peaks/2");
+    });
+    refused!(swapped, Refusal::Claim { .. } | Refusal::Broken { .. });
+}
+
+#[test]
+fn guaranteed_threshold_stands_for_the_bounds_of_the_specification() {
+    // Larger bounds than those that were proven for.
+    let louder = |specified: &str, claimed: &str| {
+        forged(GUARANTEED, |design| each(design, &[specified, claimed], |x| 1.5 * x))
+    };
+    for (specified, claimed) in [
+        ("/spec/noise/r/bound_rad_per_s", "/evaluation/guaranteed/inputs/2/bound"),
+        ("/spec/noise/v_x/bound_m_per_s", "/evaluation/guaranteed/inputs/1/bound"),
+    ] {
+        refused!(louder(specified, claimed), Refusal::Broken { .. } | Refusal::Claim { .. });
+    }
+    // A longer window is proven for less than a shorter one: the other way round is refused.
+    let shorter = forged(GUARANTEED, |design| {
+        let window = ["/evaluation/window", "/spec/evaluation/window_samples"];
+        for pointer in window {
+            *at(design, pointer) = json!(10);
+        }
+    });
+    refused!(shorter, Refusal::Claim { .. });
+    refused!(
+        forged(GUARANTEED, |design| *at(design, "/evaluation/window") = json!(400)),
+        Refusal::Contradiction { .. }
+    );
+    // Noise that is white only.
+    let unbounded = forged(GUARANTEED, |design| {
+        *at(design, "/spec/noise/r/bound_rad_per_s") = Value::Null;
+        *at(design, "/D_y") = json!([[1.0], [0.0]]);
+    });
+    assert!(unbounded.is_err());
+}
+
+#[test]
+fn guaranteed_threshold_without_its_proof_is_refused() {
+    for (pointer, key) in [
+        ("/certificate/peaks", "certificate.peaks"),
+        ("/evaluation/guaranteed", "evaluation.guaranteed"),
+    ] {
+        let without = forged(GUARANTEED, |design| *at(design, pointer) = Value::Null);
+        let Err(Refusal::NoCertificate { key: missing }) = without else { panic!("{without:?}") };
+        assert_eq!(missing, key);
+    }
+    let fewer = forged(GUARANTEED, |design| {
+        at(design, "/certificate/peaks").as_array_mut().unwrap().pop();
+    });
+    refused!(fewer, Refusal::Shape { .. });
+    // A kind that is claimed in one place only, and a claim under another kind.
+    let kinds = ["/evaluation/kind", "/spec/evaluation/threshold"];
+    for pointers in [&kinds[..1], &kinds[1..], &kinds[..]] {
+        let renamed = forged(GUARANTEED, |design| {
+            for pointer in pointers {
+                *at(design, pointer) = json!("calibrated");
+            }
+        });
+        refused!(renamed, Refusal::Contradiction { .. });
+    }
+    refused!(
+        with_forged_hash(|design| {
+            for pointer in kinds {
+                *at(design, pointer) = json!("guaranteed");
+            }
+        }),
+        Refusal::NoCertificate { .. }
+    );
 }
