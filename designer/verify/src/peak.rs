@@ -35,10 +35,10 @@ pub fn prove_peaks(dynamics: &ErrorDynamics, design: &Design) -> Result<Vec<Marg
             Some(_) => Err(Refusal::Contradiction { key: "evaluation.guaranteed".into() }),
         };
     }
+    let inputs = bounded_inputs(design)?;
     let missing = |key| Refusal::NoCertificate { key };
     let claimed = claimed.as_ref().ok_or(missing("evaluation.guaranteed"))?;
     let certificates = certificates.as_ref().ok_or(missing("certificate.peaks"))?;
-    let inputs = bounded_inputs(design)?;
     for (key, count) in [
         ("evaluation.guaranteed.inputs", claimed.inputs.len()),
         ("certificate.peaks", certificates.len()),

@@ -172,6 +172,30 @@ pub mod tests {
             prop_assert_eq!(terms.fold(Matrix::zeros(3, 2), |sum, term| &sum + &term), k);
         }
 
+        /// The measured speed's share and a speed between it and the true one: the share lies between
+        /// the means of the ends at the control points, with the weights that give that speed's K.
+        #[test]
+        fn speed_memberships_hold_true_and_measured_speed(
+            (v_x, other) in (5.0..30.0, 5.0..30.0), bound in 0.001..30.0, between in 0.0..=1.0,
+        ) {
+            let mut design = design();
+            design.spec.noise.v_x.bound_m_per_s = Some(bound);
+            let measured = f64::clamp(other, v_x - bound, v_x + bound);
+            let [v_x, measured, between] = [v_x, measured, between].map(exact);
+            let speed = &v_x + &between * (&measured - &v_x);
+            let [slowest, fastest] = design.premise.v_x_m_per_s.map(|v_x| exact(v_x).recip());
+            let share = (measured.recip() - &fastest) / (slowest - fastest);
+
+            let weights = weights(&design, &speed, &whole(0), &whole(0));
+            let mut ends = [whole(0), whole(0)];
+            for (at_speed, of_speed) in weights.chunks(4).zip(speed_memberships(&design)) {
+                for (end, at) in ends.iter_mut().zip(of_speed) {
+                    *end += at_speed.iter().sum::<Rational>() * at;
+                }
+            }
+            prop_assert!(ends[0] <= share && share <= ends[1]);
+        }
+
         /// K against the difference of the model's own equations (1)-(3) at two measured premises,
         /// the state the same: its mean over the segment in r, exactly; in v_x, at its middle up to
         /// the square of half its length.

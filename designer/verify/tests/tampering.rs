@@ -536,11 +536,12 @@ fn guaranteed_threshold_stands_for_the_bounds_of_the_specification() {
         Refusal::Contradiction { .. }
     );
     // Noise that is white only.
-    let unbounded = forged(GUARANTEED, |design| {
-        *at(design, "/spec/noise/r/bound_rad_per_s") = Value::Null;
-        *at(design, "/D_y") = json!([[1.0], [0.0]]);
+    let unbounded = with_forged_hash(|design| {
+        *at(design, "/spec/noise/r/white_std_rad_per_s") = json!(0.002);
+        *at(design, "/spec/evaluation/threshold") = json!("guaranteed");
+        *at(design, "/evaluation/kind") = json!("guaranteed");
     });
-    assert!(unbounded.is_err());
+    refused!(unbounded, Refusal::UnboundedNoise { sensor: "r" });
 }
 
 #[test]
