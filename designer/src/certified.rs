@@ -33,7 +33,7 @@ use crate::channel::Channel;
 use crate::frequency::{Frozen, Inputs, discrete_lyapunov};
 use crate::gains::{ObserverGains, rows};
 use crate::lmi::{self, Affine, Matrix, Variables, beside, smallest_eigenvalue};
-use crate::operating_point::spectral_radius;
+use crate::operating_point::{spectral_radius, square};
 use crate::theorem4::{Theorem4, for_all, matrix};
 
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which residual and input are of
@@ -249,16 +249,24 @@ impl Error {
     /// A basis in which the error that the inputs cause is of magnitude one in all directions:
     /// the root of its covariance under white inputs, at the mean of the vertices. The solver's
     /// numbers are then of one magnitude, whatever the gains.
-    pub(crate) fn natural_basis(&self) -> Matrix {
-        let inputs = self.inputs();
+    fn natural_basis(&self) -> Matrix {
+        let mean = self.mean(Matrix::clone);
+        let b = mean.columns(3, self.inputs());
+        self.basis_of(&(b * b.transpose()))
+    }
+
+    /// The mean of `f` over the vertices.
+    pub(crate) fn mean(&self, f: impl Fn(&Matrix) -> Matrix) -> Matrix {
         let count = (self.courses.len() * RULES) as f64;
-        let sum = |sum: Matrix, x: &Matrix| sum + x;
-        let zero = Matrix::zeros(3, 6 + inputs);
-        let mean = self.courses.iter().flatten().fold(zero, sum) / count;
-        let n = mean.fixed_view::<3, 3>(0, 0).into_owned();
-        let b = mean.columns(3, inputs);
+        let sum = self.courses.iter().flatten().map(f).reduce(|sum, x| sum + x);
+        sum.unwrap_or_default() / count
+    }
+
+    /// The root of the error's covariance where its steps are `driven` by a covariance.
+    pub(crate) fn basis_of(&self, driven: &Matrix) -> Matrix {
+        let n = square(&self.mean(|course| course.columns(0, 3).into_owned()));
         let n = n * f64::min(1.0, 0.99 / spectral_radius(&n));
-        let driven = (b * b.transpose()).fixed_view::<3, 3>(0, 0).into_owned();
+        let driven = square(driven);
         let mut covariance = discrete_lyapunov(&n, &driven).unwrap_or_default();
         for k in 0..3 {
             covariance[(k, k)] = 1.01 * covariance[(k, k)] + 1e-4;
