@@ -12,11 +12,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
-<<<<<<< HEAD
 use steerguard_designer::calibration::{Population, calibrate, drives};
-=======
-use steerguard_designer::calibration::{calibrate, drives};
->>>>>>> guaranteed
 use steerguard_designer::gains::ObserverGains;
 use steerguard_designer::guaranteed::peak_bounds;
 use steerguard_designer::theorem4::matrix;
@@ -96,12 +92,8 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
     let papers = design(&spec, &mut |_| {}).unwrap();
     let bounded = papers.evaluation.guaranteed.as_ref().unwrap();
-<<<<<<< HEAD
     let specified = Population::Specified;
     let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});
-=======
-    let level = calibrate(&spec, &papers.configuration(), &drives(&spec), &mut |_| {});
->>>>>>> guaranteed
     let level = level.unwrap().unwrap().level;
     // More than the model's bound, as the Euler steps leave something out.
     assert!(level > bounded.bound && level < papers.evaluation.threshold, "{level}, {bounded:?}");
