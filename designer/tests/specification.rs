@@ -192,7 +192,7 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("evaluation.window_samples = 0", &["= 0", "from 1 to 256"]),
         ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
         ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
-        ("evaluation.threshold = 'constant'", &["= constant", "with `evaluation.constant`"]),
+        ("evaluation.threshold = 'constant'", &["= \"constant\"", "with `evaluation.constant`"]),
         (
             "evaluation.threshold = 'constant'\nevaluation.constant = 0",
             &["`evaluation.constant` = 0.0", "> 0"],
