@@ -73,6 +73,9 @@ pub struct Sample {
     /// Whether a fault is detected; 0 or 1 in the file.
     #[serde(serialize_with = "as_digit")]
     pub alarm: bool,
+    /// Whether the smallest fault of interest could be seen; 0 or 1 in the file.
+    #[serde(serialize_with = "as_digit")]
+    pub excited: bool,
     /// Item of the enumeration `DetectorState`.
     pub state: i32,
 }
@@ -178,7 +181,7 @@ struct Ports {
     plant_outputs: [u32; 3],
     detector_inputs: [u32; 4],
     detector_outputs: [u32; 5],
-    alarm: u32,
+    alarm_and_excited: [u32; 2],
     state: u32,
 }
 
@@ -201,7 +204,10 @@ impl Ports {
                 "J_th",
                 "v_y_hat",
             ])?,
-            alarm: detector.variable("alarm", Type::Boolean)?,
+            alarm_and_excited: [
+                detector.variable("alarm", Type::Boolean)?,
+                detector.variable("excited", Type::Boolean)?,
+            ],
             state: detector.variable("state", Type::Enumeration)?,
         })
     }
@@ -306,7 +312,7 @@ impl Rig {
 
         let [residual_v_x, residual_r, j_rms, j_th, v_y_hat] =
             self.detector.get_real(self.ports.detector_outputs)?;
-        let [alarm] = self.detector.get_boolean([self.ports.alarm])?;
+        let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
         let [state] = self.detector.get_integer([self.ports.state])?;
         let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
             excitation;
@@ -326,6 +332,7 @@ impl Rig {
             j_th,
             v_y_hat,
             alarm: alarm != 0,
+            excited: excited != 0,
             state,
         })
     }

@@ -104,6 +104,7 @@ mod tests {
             j_th: 1.0,
             v_y_hat: 0.0,
             alarm,
+            excited: true,
             state: MONITORING,
         };
         let samples = samples.iter().enumerate().map(sample).collect();

@@ -1,10 +1,11 @@
 """Compares steerguard with its peers on the same drives, at the same rate of false alarms.
 
 Peers: an extended Kalman filter with a test on the mean NIS of a window, one with a CUSUM test, and
-the detector of the paper as printed: constant threshold, W_r = I.
+the detector of the paper as printed: constant threshold, W_r = I. Beside them steerguard with a
+constant in the place of its threshold's level and uncertainties, which shows what these bring.
 
 The thresholds of all are set on fault-free drives, so that at most as many of these have an alarm
-as the rate allows. Then biases of random size, from other seeds, show what is detected, and biases
+as the rate allows: steerguard's by `threshold_factor`. At factor 1 it is "as shipped". Then biases of random size, from other seeds, show what is detected, and biases
 of 1 degree how soon. The filters take the best process noise, window and drift of a grid: what
 surely detects the smallest of the very biases that they are then judged by (where none does, what
 detects most, then soonest), which favours them.
@@ -22,13 +23,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from drives import Bench, read_design
+from drives import Bench, Incomparable, read_design
 from judgement import Outcomes, peaks, threshold
 from kalman import Tuning, Vehicle, cusum, innovations, windowed_mean
 
 CONDITIONS = {
     "nominal": ["--nominal"],
-    "perturbed": ["--parameters", 10, "--bank", 3, "--gust", 10],
+    "perturbed": [
+        *("--parameters", 10, "--bank", 3, "--gust", 10),
+        *("--actuator-lag", 0, "--actuator-delay", 0),
+    ],
 }
 ACCELERATIONS = (0.03, 0.3, 3.0)  # m/s^2
 YAW_ACCELERATIONS = (0.03, 0.3, 3.0)  # rad/s^2
@@ -38,6 +42,7 @@ HEAD = [
     "detector",
     "tuning",
     "threshold",
+    "fault-free",
     "false alarms",
     "masked",
     "detected",
@@ -57,11 +62,26 @@ class Detector:
     tuning: str = ""
 
 
+SHIPPED = Detector("steerguard as shipped")
 STEERGUARD = Detector("steerguard")
+CONSTANT = Detector("steerguard, constant")
 PAPER = Detector("paper")
 NIS = "EKF, NIS"
 CUSUM = "EKF, CUSUM"
-NAMES = (STEERGUARD.name, PAPER.name, NIS, CUSUM)
+NAMES = (SHIPPED.name, STEERGUARD.name, CONSTANT.name, PAPER.name, NIS, CUSUM)
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A threshold, and how many of the drives that it was set on reach it."""
+
+    value: float
+    drives_with_alarm: int
+
+    @classmethod
+    def of(cls, detector, peaks, allowed):
+        value = 1.0 if detector == SHIPPED else threshold(peaks, allowed)
+        return cls(float(value), int((peaks >= value).sum()))
 
 
 class Comparison:
@@ -86,7 +106,12 @@ class Comparison:
         """Each detector, or each of `only`, and its statistic."""
         a = self.arguments
         wanted = lambda detector: only is None or detector in only  # noqa: E731
-        for detector, statistic in [(STEERGUARD, drives.j_ratio), (PAPER, drives.j_paper)]:
+        for detector, statistic in [
+            (SHIPPED, drives.j_ratio),
+            (STEERGUARD, drives.j_ratio),
+            (CONSTANT, drives.j_past_start_up),
+            (PAPER, drives.j_paper),
+        ]:
             if wanted(detector):
                 yield detector, statistic
         for acceleration in ACCELERATIONS:
@@ -118,7 +143,10 @@ class Comparison:
                 found.setdefault(detector, []).append(peaks(statistic, drives.armed))
         hours = armed_samples * self.period_s / 3600
         allowed = math.floor(self.arguments.per_hour * hours)
-        thresholds = {d: threshold(np.concatenate(parts), allowed) for d, parts in found.items()}
+        thresholds = {
+            detector: Threshold.of(detector, np.concatenate(parts), allowed)
+            for detector, parts in found.items()
+        }
         return thresholds, hours, allowed
 
     def outcomes(self, condition, seed, sizes, thresholds):
@@ -132,7 +160,7 @@ class Comparison:
                         statistic,
                         drives.armed,
                         drives.fault_rad,
-                        thresholds[detector],
+                        thresholds[detector].value,
                         self.period_s,
                     )
                 )
@@ -185,7 +213,8 @@ def figures_of(detector, threshold, biases, one_degree):
     return {
         "detector": detector.name,
         "tuning": detector.tuning,
-        "threshold": float(threshold),
+        "threshold": threshold.value,
+        "fault_free_drives_with_alarm": threshold.drives_with_alarm,
         "drives_with_alarm_before_the_fault": int(biases.false_alarm.sum()),
         "masked": int(biases.masked.sum()),
         "detected": int(biases.detected.sum()),
@@ -202,8 +231,10 @@ def figures_of(detector, threshold, biases, one_degree):
 def text(result):
     """A table for each condition."""
     lines = [
-        "Biases up to {largest} deg; delays at 1 deg; {drives} drives of {duration} s each; noise "
-        "{v_x_noise} m/s and {r_noise} rad/s".format(**result["settings"])
+        "Biases up to {largest} deg; delays at 1 deg; {drives} drives of {duration} s each from seeds "
+        "{seed}, and the two after it; noise {v_x_noise} m/s and {r_noise} rad/s".format(
+            **result["settings"]
+        )
     ]
     for condition in result["conditions"]:
         lines += [
@@ -225,7 +256,10 @@ def cells(figures):
         f"{figures['threshold']:.4g}",
         *(
             str(figures[k])
-            for k in ("drives_with_alarm_before_the_fault", "masked", "detected", "missed")
+            for k in (
+                *("fault_free_drives_with_alarm", "drives_with_alarm_before_the_fault"),
+                *("masked", "detected", "missed"),
+            )
         ),
         *(number(figures[k]) for k in ("largest_missed_deg", "surely_detected_deg")),
         *(number(figures[k]) for k in ("one_degree_delay_median_s", "one_degree_delay_95_s")),
@@ -289,6 +323,11 @@ def compare(arguments):
         ):
             bench.make(source, design)
         design = read_design(made[0])
+        if any(design["spec"]["actuator"].values()):
+            raise Incomparable(
+                "the design has an [actuator], and the filters, which are given the command, know "
+                "of none: compare the design without it"
+            )
         comparison = Comparison(bench, arguments, design["sampling_period_s"], Vehicle.of(design))
         settings = {k: v for k, v in vars(arguments).items() if isinstance(v, (int, float))}
         hashes = {"design": design["hash"], "paper": read_design(made[1])["hash"]}
@@ -297,7 +336,10 @@ def compare(arguments):
 
 def main():
     arguments = parser().parse_args()
-    result = compare(arguments)
+    try:
+        result = compare(arguments)
+    except Incomparable as error:
+        sys.exit(f"error: {error}")
     print(text(result))
     if arguments.output:
         Path(arguments.output).write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")

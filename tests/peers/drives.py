@@ -16,6 +16,10 @@ MONITORING = 2
 TOGETHER = 250  # drives in memory
 
 
+class Incomparable(ValueError):
+    """Designs that this comparison cannot do justice to."""
+
+
 @dataclass
 class Drives:
     """Some drives of a campaign, with two designs in the place of the detector."""
@@ -25,6 +29,7 @@ class Drives:
     fault_rad: np.ndarray
     armed: np.ndarray
     j_ratio: np.ndarray  # J/J_th of the design
+    j_past_start_up: np.ndarray  # its J less the threshold's start-up term
     j_paper: np.ndarray  # J of the paper's design
 
 
@@ -55,10 +60,11 @@ class Bench:
             files = [Path(folder, f"{k}.parquet") for k in range(len(self.designs))]
             for design, file in zip(self.designs, files, strict=True):
                 self._run("campaign", design, *arguments, "--signals", file)
+            evaluation = read_design(self.designs[0])["evaluation"]
             ours, papers = map(parquet.ParquetFile, files)
             for begin in range(0, ours.num_row_groups, TOGETHER):
                 groups = list(range(begin, min(begin + TOGETHER, ours.num_row_groups)))
-                yield joined(*(records(file, groups) for file in (ours, papers)))
+                yield joined(evaluation, *(records(file, groups) for file in (ours, papers)))
 
 
 def records(file, groups):
@@ -67,19 +73,32 @@ def records(file, groups):
     return {name: table[name].to_numpy().reshape(len(groups), -1).T for name in table.column_names}
 
 
-def joined(ours, papers):
+def start_up(evaluation, armed):
+    """The start-up term of J_th, T x D (METHOD.md 6); 0 while not armed."""
+    samples = 1 + np.arange(len(armed))[:, None]
+    since = samples - np.maximum.accumulate(np.where(armed, 0, samples))  # samples, this one too
+    window, of = evaluation["window"], evaluation["start_up"]
+    within = np.minimum(since, window)
+    decay = of["decay"] ** 2
+    squares = decay ** (since - within) * (1 - decay**within) / (1 - decay)
+    return of["amplitude"] * np.sqrt(squares / window)
+
+
+def joined(evaluation, ours, papers):
     for name in GIVEN:
         if not np.array_equal(ours[name], papers[name]):
-            raise ValueError(
+            raise Incomparable(
                 f"the two designs do not get the same {name}: their vehicles, armed ranges and "
                 "calibration manoeuvres must agree"
             )
+    armed = ours["state"] == MONITORING
     return Drives(
         y=np.stack([ours["v_x"], ours["r"]], axis=-1),
         u=np.stack([ours["u.T_eng"], ours["u.delta"]], axis=-1),
         fault_rad=ours["fault"],
-        armed=ours["state"] == MONITORING,
+        armed=armed,
         j_ratio=ours["J_rms"] / ours["J_th"],
+        j_past_start_up=ours["J_rms"] - start_up(evaluation, armed),
         j_paper=papers["J_rms"],
     )
 

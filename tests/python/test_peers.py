@@ -126,6 +126,18 @@ def test_windows_and_sums_begin_anew_with_the_filter():
     np.testing.assert_allclose(sums[:, 1, 0], [1.5, 0.5, 2.5, 0, 3.5, 7.0])
 
 
+def test_the_start_up_term_is_the_detectors(drives, design):
+    """Of a calibrated design it is all that J_th has beside the level."""
+    evaluation = design["evaluation"]
+    assert evaluation["kind"] == "calibrated"
+    j = drives.j_paper  # both designs of the bench are this one
+    shown = drives.armed & (j > 0)
+    j_th = j[shown] / drives.j_ratio[shown]
+    term = (j - drives.j_past_start_up)[shown]
+    np.testing.assert_allclose(term, j_th - evaluation["threshold"], rtol=1e-6, atol=1e-9)
+    assert (drives.armed[1:] & ~drives.armed[:-1]).any(), "no drive starts anew"
+
+
 def test_thresholds_let_so_many_drives_alarm():
     levels = np.array([0.3, 0.9, 0.5, 0.7])
     assert [(levels >= threshold(levels, n)).sum() for n in range(3)] == [0, 1, 2]
@@ -140,7 +152,7 @@ def test_the_judgement_is_that_of_the_campaign(steerguard, fixtures, bench, tmp_
     With noise, so that there are false alarms and masked faults too.
     """
     arguments = ["--drives", 700, "--duration", 20, "--faults", "bias", "--fault-deg", "0..4",
-                 "--bank", 0, "--gust", 2, "--v-x-noise", 0.0005]  # fmt: skip
+                 "--parameters", 10, "--bank", 0, "--gust", 2, "--v-x-noise", 0.0005]  # fmt: skip
     parts = [
         Outcomes.of(part.j_ratio, part.armed, part.fault_rad, 1.0, PERIOD_S)
         for part in bench.drive(arguments)
@@ -172,8 +184,15 @@ def test_a_small_comparison(steerguard, fixtures):
     ]  # fmt: skip
     for condition in result["conditions"]:
         detectors = {figures["detector"]: figures for figures in condition["detectors"]}
-        assert list(detectors) == ["steerguard", "paper", "EKF, NIS", "EKF, CUSUM"]
+        # The design knows of no noise: as shipped it takes that for a fault, in every drive.
+        shipped = detectors.pop("steerguard as shipped")
+        assert (shipped["threshold"], shipped["fault_free_drives_with_alarm"]) == (1.0, 20)
+        assert shipped["masked"] + shipped["detected"] == 20
+        assert list(detectors) == [
+            "steerguard", "steerguard, constant", "paper", "EKF, NIS", "EKF, CUSUM"
+        ]  # fmt: skip
         for figures in detectors.values():
+            assert figures["fault_free_drives_with_alarm"] == condition["drives_with_alarm"] == 0
             tried = 20 - figures["masked"]
             assert figures["detected"] + figures["missed"] <= tried
             assert figures["one_degree_detected"] > 0
@@ -182,6 +201,19 @@ def test_a_small_comparison(steerguard, fixtures):
     assert all(f["one_degree_missed"] == 0 for f in result["conditions"][0]["detectors"])
     lines = compare.text(result).splitlines()
     assert sum(line.strip().startswith("EKF, CUSUM") for line in lines) == 3
+
+
+def test_a_filter_that_knows_no_actuator_is_not_given_a_command(steerguard, fixtures, tmp_path):
+    design = json.loads((fixtures / "design.json").read_text(encoding="utf-8"))
+    design["spec"]["actuator"]["lag_s"] = 0.05
+    other = tmp_path / "design.json"
+    other.write_text(json.dumps(design), encoding="utf-8")
+    line = [ROOT / "tests" / "peers" / "compare.py", "--steerguard", steerguard,
+            "--design", other, "--paper", fixtures / "design.json"]  # fmt: skip
+    done = subprocess.run([sys.executable, *map(str, line)], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: the design has an [actuator]")
+    assert "Traceback" not in done.stderr
 
 
 def test_designs_with_different_drives_are_refused(steerguard, fixtures, tmp_path):

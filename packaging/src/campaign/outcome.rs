@@ -48,6 +48,8 @@ record! {
         pub out_of_range_share: f64,
         /// Share of the samples at which its input was invalid.
         pub invalid_input_share: f64,
+        /// Share of the time monitored at which the smallest fault of interest could not be seen.
+        pub not_excited_share: f64,
         /// First sample at which the fault acted.
         pub acting_s: Option<f64>,
         /// First sample at which it was exposed.
@@ -77,6 +79,7 @@ pub struct Observation {
     samples: u32,
     monitored: u32,
     monitored_fault_free: u32,
+    not_excited: u32,
     out_of_range: u32,
     invalid_input: u32,
     false_alarms: u32,
@@ -115,6 +118,7 @@ impl Observation {
 
     fn add_monitored(&mut self, sample: &Sample) {
         self.monitored += 1;
+        self.not_excited += u32::from(!sample.excited);
         let ratio = sample.j_rms / sample.j_th;
         let peak = if self.acting_s.is_some() {
             if self.exposed_s.is_none() {
@@ -132,7 +136,7 @@ impl Observation {
 
     /// The outcome of a drive sampled every `period_s` whose fault, if any, began at `onset_s`.
     pub fn outcome(&self, period_s: f64, onset_s: Option<f64>) -> Outcome {
-        let share = |samples: u32| f64::from(samples) / f64::from(self.samples.max(1));
+        let share = |part: u32, of: u32| f64::from(part) / f64::from(of.max(1));
         let since = |begin_s: Option<f64>| Some(self.alarm_s? - begin_s?);
         Outcome {
             verdict: match (onset_s, self.exposed_s, self.alarm_s) {
@@ -145,8 +149,9 @@ impl Observation {
             false_alarms: self.false_alarms,
             monitored_s: f64::from(self.monitored) * period_s,
             monitored_fault_free_s: f64::from(self.monitored_fault_free) * period_s,
-            out_of_range_share: share(self.out_of_range),
-            invalid_input_share: share(self.invalid_input),
+            out_of_range_share: share(self.out_of_range, self.samples),
+            invalid_input_share: share(self.invalid_input, self.samples),
+            not_excited_share: share(self.not_excited, self.monitored),
             acting_s: self.acting_s,
             exposed_s: self.exposed_s,
             alarm_s: self.alarm_s,
@@ -230,6 +235,18 @@ mod tests {
             (late.verdict, late.exposed_s, late.delay_s),
             (Verdict::Detected, Some(1.0), Some(1.0))
         );
+    }
+
+    #[test]
+    fn what_is_not_excited_is_a_share_of_what_is_monitored() {
+        let mut observation = Observation::default();
+        assert_eq!(observation.outcome(1.0, None).not_excited_share, 0.0);
+        for (excited, state) in
+            [(false, 1), (false, 3), (false, 2), (true, 2), (true, 2), (true, 2)]
+        {
+            observation.add(&Sample { excited, state, ..Sample::default() });
+        }
+        assert_eq!(observation.outcome(1.0, None).not_excited_share, 0.25);
     }
 
     #[test]

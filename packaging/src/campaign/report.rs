@@ -45,6 +45,8 @@ pub struct Report {
     pub out_of_range_share: f64,
     /// Share of the samples at which its input was invalid.
     pub invalid_input_share: f64,
+    /// Share of the time monitored at which the smallest fault of interest could not be seen.
+    pub not_excited_share: f64,
     /// Confidence of intervals and bounds.
     pub confidence: f64,
     /// False alarms: of all drives, by speed, by manoeuvre.
@@ -107,11 +109,11 @@ impl Report {
     /// The figures of `rows`; `armed_v_x` is divided into speed bands.
     pub fn of(rows: &[Row], armed_v_x: Interval) -> Self {
         let all: Vec<&Row> = rows.iter().collect();
-        let share = |share: fn(&Row) -> f64| {
-            let seconds: f64 = rows.iter().map(|row| share(row) * row.drive.duration_s).sum();
-            seconds / rows.iter().map(|row| row.drive.duration_s).sum::<f64>()
-        };
         let hours = |time_s: fn(&Row) -> f64| rows.iter().map(time_s).sum::<f64>() / 3600.0;
+        let (driven_h, monitored_h) =
+            (hours(|row| row.drive.duration_s), hours(|row| row.outcome.monitored_s));
+        let share =
+            |part_s: fn(&Row) -> f64, of_h| if of_h > 0.0 { hours(part_s) / of_h } else { 0.0 };
         let bands = speed_bands(armed_v_x);
 
         let mut false_alarms = vec![FalseAlarms::of("all drives".into(), &all)];
@@ -147,10 +149,20 @@ impl Report {
 
         Self {
             drives: rows.len(),
-            driven_h: hours(|row| row.drive.duration_s),
-            monitored_h: hours(|row| row.outcome.monitored_s),
-            out_of_range_share: share(|row| row.outcome.out_of_range_share),
-            invalid_input_share: share(|row| row.outcome.invalid_input_share),
+            driven_h,
+            monitored_h,
+            out_of_range_share: share(
+                |row| row.outcome.out_of_range_share * row.drive.duration_s,
+                driven_h,
+            ),
+            invalid_input_share: share(
+                |row| row.outcome.invalid_input_share * row.drive.duration_s,
+                driven_h,
+            ),
+            not_excited_share: share(
+                |row| row.outcome.not_excited_share * row.outcome.monitored_s,
+                monitored_h,
+            ),
             confidence: CONFIDENCE,
             false_alarms,
             detections,
@@ -166,6 +178,10 @@ impl Report {
             self.driven_h,
             self.monitored_h,
             100.0 * self.out_of_range_share
+        );
+        text += &format!(
+            "Could not have seen the smallest fault of interest in {:.1} % of the time monitored\n",
+            100.0 * self.not_excited_share
         );
         if self.invalid_input_share > 0.0 {
             text += &format!("Invalid input: {:.1} %\n", 100.0 * self.invalid_input_share);
@@ -400,6 +416,7 @@ mod tests {
                 monitored_fault_free_s: 1800.0,
                 out_of_range_share: 0.5,
                 invalid_input_share: 0.0,
+                not_excited_share: 0.25,
                 acting_s: exposed_s,
                 exposed_s,
                 alarm_s: None,
@@ -423,7 +440,7 @@ mod tests {
         ];
         let report = Report::of(&rows, PAPER.armed_v_x);
         assert_eq!((report.drives, report.driven_h, report.monitored_h), (5, 5.0, 2.5));
-        assert_eq!(report.out_of_range_share, 0.5);
+        assert_eq!((report.out_of_range_share, report.not_excited_share), (0.5, 0.25));
 
         let groups: Vec<_> = report.false_alarms.iter().map(|g| g.group.as_str()).collect();
         assert_eq!(groups, ["all drives", "5.5 to 13.5 m/s", "straight"]);
