@@ -208,7 +208,8 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ),
         ("uncertainty.bank_deg = -1", &["`uncertainty.bank_deg` = -1.0", "from 0 to 45"]),
         ("uncertainty.gust_m_per_s = nan", &["`uncertainty.gust_m_per_s` = NaN"]),
-        ("uncertainty.gust = 10", &["`uncertainty.gust`", "did you mean `gust_m_per_s`"]),
+        ("uncertainty.gust_speed_m_per_s = 10", &["did you mean `gust_m_per_s`"]),
+        ("uncertainty.gust = 10", &["`uncertainty.gust`", "known here are mass_percent"]),
         (
             "actuator.delay_s = 0.4\nuncertainty.actuator_delay_s = 0.2",
             &["`uncertainty.actuator_delay_s` = 0.2", "from 0 to"],
