@@ -581,7 +581,7 @@ impl Spec {
                 SpecError::unless(
                     bound.is_some() || white_std == 0.0,
                     &bound_key,
-                    bound,
+                    format_args!("not given"),
                     &format!(
                         "a number > 0, as evaluation.threshold = \"guaranteed\" covers noise up to a \
                          bound and white noise has none: 4 standard deviations, {}, are rarely \

@@ -6,7 +6,9 @@ use std::sync::OnceLock;
 
 use steerguard_designer::certificate::{check, error_dynamics};
 use steerguard_designer::gains::ObserverGains;
-use steerguard_designer::spec::{ActuatorTable, Calibration, Manoeuvre};
+use steerguard_designer::spec::{
+    ActuatorTable, Calibration, Evaluation, Manoeuvre, ThresholdKind, UncertaintyTable,
+};
 use steerguard_designer::synthesis::{AttenuationMatrices, Lyapunov};
 use steerguard_designer::theorem4::{Theorem4, matrix};
 use steerguard_designer::{
@@ -205,6 +207,41 @@ fn threshold_is_the_calibrated_level_times_the_margin() {
     assert_eq!(calibration.worst.manoeuvre, Manoeuvre::StepSteer);
     // The budget: at most half of what the smallest fault reaches.
     assert!(e.threshold < 0.5 * design.performance.smallest_fault_residual);
+}
+
+#[test]
+fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need() {
+    let uncertainty = UncertaintyTable { mass_percent: [-20.0, 30.0], ..Default::default() };
+    let evaluation =
+        Evaluation { threshold: ThresholdKind::Adaptive, margin: 1.2, ..spec().evaluation };
+    let adaptive = designed(&Spec { uncertainty, evaluation, ..spec() }).unwrap();
+    let (e, papers) = (&adaptive.evaluation, papers_design());
+    let (level, ratio) = (e.calibration.as_ref().unwrap(), e.uncertain.as_ref().unwrap());
+    assert_eq!(e.calibration, papers.evaluation.calibration, "of the specified vehicle");
+    near(e.uncertainty_share, 1.2 * ratio.level, 1e-15);
+    near(e.threshold, 1.2 * ratio.level * level.level, 1e-15);
+    assert!(ratio.level > 0.1 && ratio.level < 1.1, "{}", ratio.level);
+    // Of n drives none was larger than the largest: 1 - 0.05^(1/8).
+    near(ratio.exceeded_at_most, 0.312344, 1e-6);
+
+    // The bounds are what the farther end of each interval does to the forces' effect.
+    let bounds = adaptive.configuration().deviations.uncertainty;
+    near(bounds.mass, 1.0 / 0.8 - 1.0, 1e-15);
+    near(bounds.front_cornering_stiffness, 0.1, 1e-15);
+    near(bounds.bank_m_per_s2, 9.80665 * 3_f64.to_radians().sin(), 1e-15);
+    assert_eq!(adaptive.vertices, papers.vertices, "the gains stay as they are");
+}
+
+#[test]
+fn a_constant_threshold_is_taken_as_it_is() {
+    let evaluation = Evaluation {
+        threshold: ThresholdKind::Constant,
+        constant: Some(0.002),
+        ..spec().evaluation
+    };
+    let e = designed(&Spec { evaluation, ..spec() }).unwrap().evaluation;
+    assert_eq!((e.threshold, e.uncertainty_share), (0.002, 0.0));
+    assert!(e.calibration.is_none() && e.uncertain.is_none() && e.guaranteed.is_none());
 }
 
 /// The calibration's vehicle has the actuator that the detector knows of: the level stays low, where

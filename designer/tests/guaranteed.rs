@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
-use steerguard_designer::calibration::{calibrate, drives};
+use steerguard_designer::calibration::{Population, calibrate, drives};
 use steerguard_designer::gains::ObserverGains;
 use steerguard_designer::guaranteed::peak_bounds;
 use steerguard_designer::theorem4::matrix;
@@ -92,7 +92,8 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
     let papers = design(&spec, &mut |_| {}).unwrap();
     let bounded = papers.evaluation.guaranteed.as_ref().unwrap();
-    let level = calibrate(&spec, &papers.configuration(), &drives(&spec), &mut |_| {});
+    let specified = Population::Specified;
+    let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});
     let level = level.unwrap().unwrap().level;
     // More than the model's bound, as the Euler steps leave something out.
     assert!(level > bounded.bound && level < papers.evaluation.threshold, "{level}, {bounded:?}");
@@ -135,10 +136,10 @@ fn bounds_agree_with_an_independent_solver() {
 #[test]
 fn white_noise_without_a_bound_is_refused() {
     for (text, parts) in [
-        (String::new(), ["`noise.v_x.bound_m_per_s` = None", "white noise has none", "0.08"]),
+        (String::new(), ["`noise.v_x.bound_m_per_s` = not given", "white noise has none", "0.08"]),
         (
             "noise.v_x.bound_m_per_s = 0.05\n".into(),
-            ["`noise.r.bound_rad_per_s` = None", "noise.r.white_std_rad_per_s = 0", "0.008"],
+            ["`noise.r.bound_rad_per_s` = not given", "noise.r.white_std_rad_per_s = 0", "0.008"],
         ),
     ] {
         let message = Spec::from_toml(&format!("{GUARANTEED}{text}")).unwrap_err().to_string();

@@ -125,7 +125,10 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             "actuator.rate_limit_rad_per_s = 0",
             &["`actuator.rate_limit_rad_per_s` = 0.0", "from 0.001 to 100"],
         ),
-        ("evaluation.threshold = 'guaranteed'", &["`evaluation.threshold`", "calibrated"]),
+        (
+            "evaluation.threshold = 'adaptativ'",
+            &["`evaluation.threshold`", "calibrated", "adaptive"],
+        ),
         // Vehicle.
         ("vehicle.mass_kg = 0", &["`vehicle.mass_kg` = 0.0", "> 0"]),
         ("vehicle.yaw_inertia_kg_m2 = -1", &["`vehicle.yaw_inertia_kg_m2` = -1.0"]),
@@ -189,6 +192,28 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("evaluation.window_samples = 0", &["= 0", "from 1 to 256"]),
         ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
         ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
+        ("evaluation.threshold = 'constant'", &["= \"constant\"", "with `evaluation.constant`"]),
+        (
+            "evaluation.threshold = 'constant'\nevaluation.constant = 0",
+            &["`evaluation.constant` = 0.0", "> 0"],
+        ),
+        ("evaluation.constant = 0.001", &["`evaluation.constant` = 0.001", "\"constant\" only"]),
+        (
+            "evaluation.threshold = 'guaranteed'",
+            &["`noise.v_x.bound_m_per_s` = not given", "4 standard deviations, 0.08"],
+        ),
+        (
+            "uncertainty.mass_percent = [5, 10]",
+            &["`uncertainty.mass_percent` = [5.0, 10.0]", "min <= 0 <= max"],
+        ),
+        ("uncertainty.bank_deg = -1", &["`uncertainty.bank_deg` = -1.0", "from 0 to 45"]),
+        ("uncertainty.gust_m_per_s = nan", &["`uncertainty.gust_m_per_s` = NaN"]),
+        ("uncertainty.gust_speed_m_per_s = 10", &["did you mean `gust_m_per_s`"]),
+        ("uncertainty.gust = 10", &["`uncertainty.gust`", "known here are mass_percent"]),
+        (
+            "actuator.delay_s = 0.4\nuncertainty.actuator_delay_s = 0.2",
+            &["`uncertainty.actuator_delay_s` = 0.2", "from 0 to"],
+        ),
         ("evaluation.debounce_samples = 0", &["`evaluation.debounce_samples` = 0"]),
         ("evaluation.calibration.speeds = 0", &["calibration.speeds` = 0"]),
         ("evaluation.calibration.manoeuvres = []", &["calibration.manoeuvres` = 0"]),

@@ -188,26 +188,23 @@ impl DesignSummary {
 
 /// The shares of the threshold's level.
 pub fn causes(evaluation: &EvaluationDesign) -> Vec<Cause> {
-    let ratio = evaluation.uncertain.as_ref();
-    let share = ratio.map_or(1.0, |ratio| ratio.level);
     let mut causes = Vec::new();
-    if let Some(level) = &evaluation.calibration {
-        let cause = format!(
-            "simulated: noise and disturbances, largest of {} fault-free drives{}; {}",
-            level.drives,
-            if ratio.is_some() { format!(" x {share:.3}") } else { String::new() },
-            confidence(level)
-        );
-        causes.push(Cause { cause, j: Some(share * level.level) });
-    }
-    if let Some(ratio) = ratio {
-        let cause = format!(
-            "and up: what is uncertain can do x {share:.3}, the largest J / J_th of {} fault-free \
-             drives of uncertain vehicles; {}",
-            ratio.drives,
-            confidence(ratio)
-        );
-        causes.push(Cause { cause, j: None });
+    match (&evaluation.calibration, &evaluation.uncertain) {
+        (Some(level), Some(ratio)) => {
+            let share = ratio.level;
+            let cause =
+                format!("noise and disturbances: {share:.3} x {} of the vehicle", largest(level));
+            causes.push(Cause { cause, j: Some(share * level.level) });
+            let cause = format!(
+                "what is uncertain, at this sample: {share:.3} x its bound, which is J / J_th of {}",
+                surely_largest(ratio)
+            );
+            causes.push(Cause { cause, j: None });
+        }
+        (Some(level), None) => {
+            causes.push(Cause { cause: surely_largest(level), j: Some(level.level) });
+        }
+        _ => {}
     }
     if let Some(guaranteed) = &evaluation.guaranteed {
         causes.extend(guaranteed.inputs.iter().map(|input| Cause {
@@ -222,9 +219,18 @@ pub fn causes(evaluation: &EvaluationDesign) -> Vec<Cause> {
     causes
 }
 
-/// What the largest of that many drives says of the next one.
-fn confidence(level: &Level) -> String {
-    format!("exceeded in {:.2} % at most (95 % confidence)", 100.0 * level.exceeded_at_most)
+fn largest(level: &Level) -> String {
+    format!("the largest J of {} simulated fault-free drives", level.drives)
+}
+
+/// With what the largest of that many drives says of the next one.
+fn surely_largest(level: &Level) -> String {
+    format!(
+        "the worst of {} simulated fault-free drives, exceeded by a further one with {:.2} % at most \
+         (95 % confidence)",
+        level.drives,
+        100.0 * level.exceeded_at_most
+    )
 }
 
 /// A head, then a row a point: speed, lateral acceleration, each cause, J_th and the J of the smallest

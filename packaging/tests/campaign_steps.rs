@@ -35,18 +35,7 @@ const SETTINGS: Settings = Settings {
     duration_s: 10.0,
     faults: FaultMix::Mixed,
     fault_deg: [0.1, 2.0],
-    uncertainty: Uncertainty {
-        bounds: UncertaintyTable {
-            mass_percent: [-10.0, 10.0],
-            yaw_inertia_percent: [-10.0, 10.0],
-            front_cornering_stiffness_percent: [-10.0, 10.0],
-            rear_cornering_stiffness_percent: [-10.0, 10.0],
-            bank_deg: 3.0,
-            gust_m_per_s: 10.0,
-            ..UncertaintyTable::NONE
-        },
-        saturation: true,
-    },
+    uncertainty: Uncertainty { bounds: UncertaintyTable::DEFAULT, saturation: true },
     sensors: Sensors {
         v_x_noise_m_per_s: 0.02,
         r_noise_rad_per_s: 0.002,

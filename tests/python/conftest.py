@@ -44,6 +44,15 @@ def detector(fixtures, tmp_path_factory):
     return Fmu(fixtures / "SteeringFaultDetector.fmu", tmp_path_factory.mktemp("detector"))
 
 
+@pytest.fixture(scope="session", params=["compact", "van"])
+def example(request, fixtures, tmp_path_factory):
+    """Detector and reference of examples with adaptive thresholds and corrected Euler steps."""
+    name = request.param
+    text = (fixtures / "examples" / f"{name}.json").read_text(encoding="utf-8")
+    fmu = Fmu(fixtures / "examples" / f"{name}.fmu", tmp_path_factory.mktemp(name))
+    return fmu, Reference(json.loads(text))
+
+
 @pytest.fixture(scope="session")
 def plant(fixtures, tmp_path_factory):
     return Fmu(fixtures / "VehiclePlant.fmu", tmp_path_factory.mktemp("plant"))

@@ -9,7 +9,7 @@ import numpy as np
 INPUTS = ["v_x", "r", "u.T_eng", "u.delta"]
 OUTPUTS = [
     "residual.v_x", "residual.r", "v_y_hat", "J_rms", "J_th", "J_ratio",
-    "alarm", "alarm_latched", "first_alarm_time", "state",
+    "detectability", "excited", "alarm", "alarm_latched", "first_alarm_time", "state",
 ]  # fmt: skip
 RELATIVE_TOLERANCE = 1e-12
 
@@ -58,7 +58,7 @@ def assert_agree(found, expected, inputs, weights):
     order of operations here than there. 16 roundings of v_x are allowed for (6e-14 m/s at 15 m/s),
     times the weights for J, over J_th for J_ratio.
     """
-    for name in ["alarm", "alarm_latched", "state"]:
+    for name in ["excited", "alarm", "alarm_latched", "state"]:
         different = np.flatnonzero(np.asarray(found[name]) != expected[name])
         assert different.size == 0, f"{name} differs first at row {different[0]}"
     with np.errstate(invalid="ignore"):
@@ -71,6 +71,7 @@ def assert_agree(found, expected, inputs, weights):
         "J_rms": rounding * max(weights),
         "J_th": 0.0,
         "J_ratio": rounding * max(weights) / np.min(expected["J_th"]),
+        "detectability": 0.0,
         "first_alarm_time": 0.0,
     }
     for name, rounding in roundings.items():

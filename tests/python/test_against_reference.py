@@ -25,6 +25,18 @@ def test_wandering_in_and_out_of_the_range(detector, reference, seed):
     assert results["alarm"].any() and not results["alarm"].all()
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_adaptive_threshold(example, seed):
+    detector, reference = example
+    inputs = random_drive(seed, SAMPLES, reference.period)
+    results = compare(detector, reference, inputs)
+    assert set(results["state"]) == {MONITORING, OUT_OF_RANGE}
+    monitoring = results["state"] == MONITORING
+    # Past the start-up, too, no constant: J_th follows the drive.
+    assert np.ptp(results["J_th"][monitoring]) > reference.threshold
+    assert results["excited"][monitoring].any() and not results["excited"][monitoring].all()
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_invalid_inputs(detector, reference, seed):
     inputs = random_drive(seed, SAMPLES, reference.period)

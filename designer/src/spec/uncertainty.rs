@@ -43,37 +43,34 @@ pub struct UncertaintyTable {
 
 impl Default for UncertaintyTable {
     fn default() -> Self {
-        let ten = [-10.0, 10.0];
-        Self {
-            mass_percent: ten,
-            yaw_inertia_percent: ten,
-            front_cornering_stiffness_percent: ten,
-            rear_cornering_stiffness_percent: ten,
-            actuator_lag_s: 0.0,
-            actuator_delay_s: 0.0,
-            bank_deg: 3.0,
-            gust_m_per_s: 10.0,
-            gust_acting_ahead_m: 0.25,
-            frontal_area_m2: 2.2,
-            side_force_per_rad: 2.0,
-        }
+        Self::DEFAULT
     }
 }
 
 impl UncertaintyTable {
+    /// A passenger car between empty and loaded, on any tyres, on public roads.
+    pub const DEFAULT: Self = Self {
+        mass_percent: [-10.0, 10.0],
+        yaw_inertia_percent: [-10.0, 10.0],
+        front_cornering_stiffness_percent: [-10.0, 10.0],
+        rear_cornering_stiffness_percent: [-10.0, 10.0],
+        actuator_lag_s: 0.0,
+        actuator_delay_s: 0.0,
+        bank_deg: 3.0,
+        gust_m_per_s: 10.0,
+        gust_acting_ahead_m: 0.25,
+        frontal_area_m2: 2.2,
+        side_force_per_rad: 2.0,
+    };
     /// Everything is known: no bank, no gust.
     pub const NONE: Self = Self {
         mass_percent: [0.0, 0.0],
         yaw_inertia_percent: [0.0, 0.0],
         front_cornering_stiffness_percent: [0.0, 0.0],
         rear_cornering_stiffness_percent: [0.0, 0.0],
-        actuator_lag_s: 0.0,
-        actuator_delay_s: 0.0,
         bank_deg: 0.0,
         gust_m_per_s: 0.0,
-        gust_acting_ahead_m: 0.25,
-        frontal_area_m2: 2.2,
-        side_force_per_rad: 2.0,
+        ..Self::DEFAULT
     };
 
     /// The parameters' intervals: mass, yaw inertia, front and rear stiffness.

@@ -4,7 +4,7 @@ use rand_distr::{Distribution, Uniform};
 use steerguard_designer::Design;
 use steerguard_designer::calibration::steady_angle;
 use steerguard_designer::operating_point::{FrozenError, OperatingPoint};
-use steerguard_detector::{Detector, Input, Monitor, VehicleState};
+use steerguard_detector::{Configuration, Detector, Deviations, Input, Monitor, VehicleState};
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
@@ -81,7 +81,8 @@ pub type Signals = Vec<DVector<f64>>;
 /// Runs the model (7) with the detector and returns the largest excess of J over the start-up term
 /// while it monitors.
 pub fn largest_j(design: &Design, inputs: &Inputs, course: &Course, signals: &Signals) -> f64 {
-    let configuration = design.configuration();
+    // In the model's own world Euler's steps leave nothing out.
+    let configuration = Configuration { deviations: Deviations::NONE, ..design.configuration() };
     let mut detector = Detector::new(&configuration).unwrap();
     let mut x = course.start;
     let mut largest = 0.0_f64;

@@ -146,15 +146,9 @@ pub(super) mod tests {
         fault_deg: [0.1, 2.0],
         uncertainty: Uncertainty {
             bounds: UncertaintyTable {
-                mass_percent: [-10.0, 10.0],
-                yaw_inertia_percent: [-10.0, 10.0],
-                front_cornering_stiffness_percent: [-10.0, 10.0],
-                rear_cornering_stiffness_percent: [-10.0, 10.0],
-                bank_deg: 3.0,
-                gust_m_per_s: 10.0,
                 actuator_lag_s: 0.02,
                 actuator_delay_s: 0.03,
-                ..UncertaintyTable::NONE
+                ..UncertaintyTable::DEFAULT
             },
             saturation: true,
         },

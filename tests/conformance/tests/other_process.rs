@@ -46,7 +46,7 @@ fn continue_from_file() {
     fs::write(file, text(&results)).unwrap();
 }
 
-fn text(results: &[[u64; 7]]) -> String {
+fn text(results: &[[u64; 8]]) -> String {
     results.iter().map(|row| format!("{row:?}\n")).collect()
 }
 

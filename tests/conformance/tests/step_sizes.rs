@@ -106,7 +106,7 @@ fn fmi_rs() {
                 assert!(matches!(status, fmi2Status::Ok | fmi2Status::Warning), "{status:?}");
             },
             |instance| {
-                let (mut shown, mut truths, mut number) = ([f64::NAN; 7], [-1; 2], [-1]);
+                let (mut shown, mut truths, mut number) = ([f64::NAN; 8], [-1; 2], [-1]);
                 assert_eq!(instance.getReal(&reals, &mut shown), fmi2Status::Ok);
                 assert_eq!(instance.getBoolean(&booleans, &mut truths), fmi2Status::Ok);
                 assert_eq!(instance.getInteger(&[state], &mut number), fmi2Status::Ok);

@@ -22,7 +22,7 @@ fn inputs(instance: u64, time_s: f64) -> [f64; 4] {
     [v_x, r + 1e-3 * instance as f64, torque, angle]
 }
 
-fn step(raw: &Raw<'_>, instance: u64, k: u64, period_s: f64) -> [u64; 7] {
+fn step(raw: &Raw<'_>, instance: u64, k: u64, period_s: f64) -> [u64; 8] {
     let time_s = k as f64 * period_s;
     raw.set(&inputs(instance, time_s));
     assert!(raw.step(time_s, period_s) <= fmi2Status::fmi2Warning);
@@ -37,7 +37,7 @@ fn interleaved_instances_do_what_each_does_alone() {
     let functions = &functions;
     let name = |instance: u64| format!("instance {instance}");
 
-    let alone: Vec<Vec<[u64; 7]>> = (0..INSTANCES)
+    let alone: Vec<Vec<[u64; 8]>> = (0..INSTANCES)
         .map(|instance| {
             let raw = Raw::new(functions, guid, &name(instance));
             (0..STEPS).map(|k| step(&raw, instance, k, period_s)).collect()
@@ -102,7 +102,7 @@ fn an_instance_may_go_from_thread_to_thread() {
 fn a_hundred_lives_of_the_library_on_short_lived_threads() {
     let packaged = Packaged::new();
     let period_s = packaged.sample_period_s();
-    let mut first: Option<Vec<[u64; 7]>> = None;
+    let mut first: Option<Vec<[u64; 8]>> = None;
     for life in 0..100 {
         let results = thread::scope(|scope| {
             let live = || {

@@ -21,7 +21,7 @@ fn results_are_the_plain_detectors_for_every_communication_step() {
     let booleans = ["alarm", "alarm_latched"].map(reference);
     let state = reference("state");
     let shown = |instance: &mut InstanceCS| {
-        let (mut values, mut truths, mut number) = ([f64::NAN; 7], [-1; 2], [-1]);
+        let (mut values, mut truths, mut number) = ([f64::NAN; 8], [-1; 2], [-1]);
         instance.get_real(&reals, &mut values).unwrap();
         instance.get_boolean(&booleans, &mut truths).unwrap();
         instance.get_integer(&[state], &mut number).unwrap();

@@ -59,15 +59,23 @@ pub fn inputs(t: f64) -> [f64; 4] {
 /// What an importer sees after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    pub reals: [f64; 7],
+    pub reals: [f64; 8],
     pub alarm: bool,
     pub alarm_latched: bool,
     pub state: i32,
 }
 
 /// Names of [`Shown::reals`].
-pub const REALS: [&str; 7] =
-    ["residual.v_x", "residual.r", "v_y_hat", "J_rms", "J_th", "J_ratio", "first_alarm_time"];
+pub const REALS: [&str; 8] = [
+    "residual.v_x",
+    "residual.r",
+    "v_y_hat",
+    "J_rms",
+    "J_th",
+    "J_ratio",
+    "detectability",
+    "first_alarm_time",
+];
 
 impl Shown {
     fn of(detector: &Detector, period_s: f64) -> Self {
@@ -83,6 +91,7 @@ impl Shown {
                 output.j_rms,
                 output.j_th,
                 ratio,
+                output.detectability,
                 first_alarm,
             ],
             alarm: output.alarm,

@@ -70,13 +70,13 @@ impl<'a> Raw<'a> {
     }
 
     /// All Real results, as bits.
-    pub fn results(&self) -> [u64; 7] {
+    pub fn results(&self) -> [u64; 8] {
         let references = super::drive::REALS.map(reference);
-        let mut values = [f64::NAN; 7];
-        // SAFETY: a live instance, seven elements each.
+        let mut values = [f64::NAN; 8];
+        // SAFETY: a live instance, eight elements each.
         ok(unsafe {
             let get = self.functions.fmi2GetReal;
-            get(self.component, references.as_ptr(), 7, values.as_mut_ptr())
+            get(self.component, references.as_ptr(), 8, values.as_mut_ptr())
         });
         values.map(f64::to_bits)
     }
@@ -92,7 +92,7 @@ impl<'a> Raw<'a> {
     }
 
     /// Sets the inputs of the drive at `k period` and steps over a sample, for all k; the results.
-    pub fn drive(&self, steps: std::ops::Range<u64>, period_s: f64) -> Vec<[u64; 7]> {
+    pub fn drive(&self, steps: std::ops::Range<u64>, period_s: f64) -> Vec<[u64; 8]> {
         steps
             .map(|k| {
                 let time_s = k as f64 * period_s;
