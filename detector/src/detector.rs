@@ -223,8 +223,9 @@ impl Detector {
         state.z = self.observer.advance(&n, state.z, y, u, x_hat[1]);
 
         let evaluation = &self.evaluation;
+        // (10), less what Euler's remainder makes of it: METHOD.md 6.
         let [v_x, _, r] = state.responses.remainder;
-        let residual = [y[0] - x_hat[0] - v_x, y[1] - x_hat[2] - r]; // (10)
+        let residual = [y[0] - x_hat[0] - v_x, y[1] - x_hat[2] - r];
         let [uncertainty, fault] = state.responses.levels(evaluation);
         let x = [y[0], x_hat[1], y[1]];
         let place = Place { x, u, slowest_behind_rad };

@@ -181,8 +181,12 @@ impl DesignSummary {
             format!("{:.6}", self.smallest_fault_j),
             "J that it tends to, at least".into(),
         ));
-        let by_cause = aligned(&cause_rows(&self.threshold_by_cause), "    ");
-        format!("{}  J_th in steady driving by cause, x 1e-3\n{by_cause}", aligned(&rows, "  "))
+        let mut text = aligned(&rows, "  ");
+        if self.threshold_kind == ThresholdKind::Adaptive {
+            text += "  J_th in steady driving by cause, x 1e-3\n";
+            text += &aligned(&cause_rows(&self.threshold_by_cause), "    ");
+        }
+        text
     }
 }
 
