@@ -4,6 +4,7 @@
 
 use std::sync::OnceLock;
 
+use steerguard_designer::calibration::steady_angle;
 use steerguard_designer::certificate::{check, error_dynamics};
 use steerguard_designer::gains::ObserverGains;
 use steerguard_designer::spec::{
@@ -11,6 +12,7 @@ use steerguard_designer::spec::{
 };
 use steerguard_designer::synthesis::{AttenuationMatrices, Lyapunov};
 use steerguard_designer::theorem4::{Theorem4, matrix};
+use steerguard_designer::threshold::by_cause;
 use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, Obstacle, Spec, Step, design,
 };
@@ -230,6 +232,29 @@ fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need(
     near(bounds.front_cornering_stiffness, 0.1, 1e-15);
     near(bounds.bank_m_per_s2, 9.80665 * 3_f64.to_radians().sin(), 1e-15);
     assert_eq!(adaptive.vertices, papers.vertices, "the gains stay as they are");
+}
+
+/// What people are shown cause by cause is what the detector settles at.
+#[test]
+fn the_threshold_by_cause_is_that_of_steady_driving() {
+    let evaluation = Evaluation { threshold: ThresholdKind::Adaptive, ..spec().evaluation };
+    let uncertainty = UncertaintyTable::DEFAULT;
+    let design = designed(&Spec { uncertainty, evaluation, ..spec() }).unwrap();
+    let points = by_cause(&design.configuration());
+    assert_eq!(points.len(), 6);
+    for point in points {
+        let (v_x, a_y) = (point.v_x_m_per_s, point.lateral_acceleration_m_per_s2);
+        let u = [design.vehicle.cruise_torque(v_x), steady_angle(&design.vehicle, v_x, a_y)];
+        let mut detector = Detector::new(&design.configuration()).unwrap();
+        for _ in 0..3000 {
+            detector.sample([v_x, a_y / v_x], u);
+        }
+        let output = detector.state.output;
+        near(output.j_th, point.j_th, 1e-3);
+        near(output.detectability * output.j_th, point.smallest_fault_j, 1e-6);
+        near(point.level + point.uncertainties.iter().sum::<f64>(), point.j_th, 1e-12);
+        assert_eq!(point.uncertainties[6], 0.0, "the actuator has come to rest");
+    }
 }
 
 #[test]

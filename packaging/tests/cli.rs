@@ -204,6 +204,9 @@ fn the_main_job_detects_the_fault_in_time() {
     assert!(number(&design["detection_ratio"]) >= 5.0, "{design}");
     assert!(number(&design["certified"]["gap"]) >= 5.0, "{design}");
     assert_eq!(value["proof"]["holds"], true);
+    assert_eq!(design["threshold_kind"], "adaptive");
+    let by_cause = design["threshold_by_cause"].as_array().unwrap();
+    assert!(by_cause.iter().all(|point| number(&point["j_th"]) > number(&design["threshold"])));
 
     let detections = value["detections"].as_array().unwrap();
     assert_eq!(detections.len(), 4);
