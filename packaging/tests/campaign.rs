@@ -234,6 +234,27 @@ fn the_table_holds_every_drive_once_and_in_order() {
     }
 }
 
+/// What the adaptive threshold is for: vehicles, roads and winds that are not those of the design.
+#[test]
+fn an_uncertain_vehicle_alarms_a_constant_threshold_and_not_an_adaptive_one() {
+    let folder = folder();
+    fs::write(folder.path().join("bare.toml"), "evaluation.threshold = 'calibrated'").unwrap();
+    success(folder.path(), &["design", "bare.toml", "-o", "bare.json"]);
+    let false_alarms = |design: &str| {
+        let fault_free = ["--drives", "120", "--duration", "30", "--faults", "none"];
+        let line = [
+            &["campaign", design, "-o", design.trim_end_matches(".json"), "--json"],
+            &fault_free[..],
+        ];
+        let outcome = json(&success(folder.path(), &line.concat()));
+        outcome["report"]["false_alarms"][0].clone()
+    };
+    let (adaptive, constant) = (false_alarms("design.json"), false_alarms("bare.json"));
+    assert_eq!(adaptive["episodes"], 0, "{adaptive}");
+    assert!(adaptive["largest_ratio"].as_f64().unwrap() < 1.0, "{adaptive}");
+    assert!(constant["episodes"].as_u64().unwrap() > 10, "{constant}");
+}
+
 #[test]
 fn a_healthy_nominal_vehicle_raises_no_alarm() {
     let folder = folder();
