@@ -4,6 +4,8 @@
 
 #[path = "common/fmu.rs"]
 mod fmu;
+#[path = "../../designer/tests/common/s1.rs"]
+mod s1;
 
 use steerguard::cosimulation::{self, Sample};
 use steerguard::design_summary::baked;
@@ -13,22 +15,10 @@ use steerguard::scenario::{Scenario, Signal};
 use steerguard_designer::{Design, DesignStatus, Spec, design};
 
 use fmu::open;
+use s1::S1;
 
-/// S2 of METHOD.md 7, with few drives in the calibration.
-const S2: &str = r#"
-    [[fault]]
-    channel = "steering"
-    smallest_deg = 1
-    [[disturbance]]
-    name = "lateral"
-    kind = "direction"
-    direction = [0, 1, 0]
-    bound = 0.5
-    [[disturbance]]
-    name = "yaw"
-    kind = "direction"
-    direction = [0, 0, 1]
-    bound = 0.1
+/// What S2 of METHOD.md 7 adds to S1, with few drives in the calibration.
+const NOISE: &str = r#"
     [noise]
     v_x.white_std_m_per_s = 0.02
     r.white_std_rad_per_s = 0.002
@@ -43,7 +33,7 @@ const S2: &str = r#"
 "#;
 
 fn designed(method: &str) -> Design {
-    let spec = Spec::from_toml(&format!("design.method = \"{method}\"\n{S2}")).unwrap();
+    let spec = Spec::from_toml(&format!("design.method = \"{method}\"\n{S1}{NOISE}")).unwrap();
     design(&spec, &mut |_| {}).unwrap()
 }
 
