@@ -281,7 +281,7 @@ struct World {
     vehicle: Vehicle,
     actuator: Actuator,
     bank_m_per_s2: f64,
-    /// Of the fastest gust, with the force it has.
+    /// How gusts act.
     gust: Gust,
     gusts: Gusts,
 }
@@ -292,13 +292,8 @@ impl World {
             vehicle: spec.vehicle,
             actuator: spec.actuator.actuator(),
             bank_m_per_s2: 0.0,
-            gust: Gust { speed_m_per_s: 0.0, ..spec.uncertainty.gust() },
-            gusts: Gusts {
-                speed_m_per_s: 0.0,
-                duration_s: GUST_S[0],
-                start_s: 0.0,
-                pause_s: CALM_S,
-            },
+            gust: spec.uncertainty.gust(),
+            gusts: Gusts::NONE,
         }
     }
 

@@ -19,6 +19,10 @@ pub struct Gusts {
 }
 
 impl Gusts {
+    /// Still air.
+    pub const NONE: Self =
+        Self { speed_m_per_s: 0.0, duration_s: 0.0, start_s: f64::INFINITY, pause_s: 0.0 };
+
     /// Wind across the road at time `t`, m/s.
     pub fn wind_m_per_s(&self, t: f64) -> f64 {
         let since_s = t - self.start_s;

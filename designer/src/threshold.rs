@@ -160,7 +160,7 @@ fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold 
     let Configuration { model, gains, evaluation, deviations, .. } = configuration;
     let observer = Observer::new(*model, *gains);
     let (x, u) = steady_turn(configuration, v_x, a_y);
-    let n = observer.n([x[0], x[2]]);
+    let n = observer.n(&model.membership([x[0], x[2]]));
     let j = |w: VehicleState| {
         let e = (0..STEADY).fold([0.0; 3], |e, _| observer.respond(&n, e, w));
         evaluation.square([e[0], e[2]]).sqrt()

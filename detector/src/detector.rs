@@ -219,8 +219,9 @@ impl Detector {
             state.armed = false;
             return;
         }
-        let n = self.observer.n(y);
-        state.z = self.observer.advance(&n, state.z, y, u, x_hat[1]);
+        let h = self.observer.model.membership(y);
+        let n = self.observer.n(&h);
+        state.z = self.observer.advance(&h, &n, state.z, y, u, x_hat[1]);
 
         let evaluation = &self.evaluation;
         // (10), less what Euler's remainder makes of it: METHOD.md 6.

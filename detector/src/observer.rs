@@ -45,22 +45,23 @@ impl Observer {
         [z[0] - e_y[0], z[1] - e_y[1], z[2] - e_y[2]]
     }
 
-    /// `N(h)` (10) at a measurement inside S_x, 3 x 3.
-    pub fn n(&self, y: Measurement) -> [[f64; 3]; 3] {
-        blend(&self.model.membership(y), &self.gains.n)
+    /// `N(h)` (10) for membership functions h, 3 x 3.
+    pub fn n(&self, h: &[f64; RULES]) -> [[f64; 3]; 3] {
+        blend(h, &self.gains.n)
     }
 
-    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x and `n` = N(h) there.
+    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x, the membership
+    /// functions `h` there and `n` = N(h).
     pub fn advance(
         &self,
+        h: &[f64; RULES],
         n: &[[f64; 3]; 3],
         z: VehicleState,
         y: Measurement,
         u: Input,
         v_y_hat: f64,
     ) -> VehicleState {
-        let h = self.model.membership(y);
-        let linear = sum(product(n, &z), product(&blend(&h, &self.gains.l), &y));
+        let linear = sum(product(n, &z), product(&blend(h, &self.gains.l), &y));
         let consequent = self.model.consequent(&self.columns, y, u, v_y_hat);
         sum(linear, product(&self.gains.m, &consequent))
     }

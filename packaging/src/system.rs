@@ -5,8 +5,8 @@
 //! - Connectors have the names of the FMU variables. An input that both FMUs have, and every other
 //!   input of the vehicle, is an input of the system; every output of the detector is an output of it.
 //! - The parameter set belongs to the system: its names are `<component>.<variable>`. It gives the
-//!   vehicle and the actuator that the detector was designed for, its state at the start, and the drive torque that
-//!   holds its speed.
+//!   vehicle and the actuator that the detector was designed for, its state at the start, and the
+//!   drive torque that holds its speed.
 
 use std::collections::BTreeSet;
 use std::io;

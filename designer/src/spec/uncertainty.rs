@@ -62,6 +62,7 @@ impl UncertaintyTable {
         frontal_area_m2: 2.2,
         side_force_per_rad: 2.0,
     };
+
     /// Everything is known: no bank, no gust.
     pub const NONE: Self = Self {
         mass_percent: [0.0, 0.0],
@@ -126,16 +127,13 @@ impl UncertaintyTable {
             .check("uncertainty.actuator_lag_s", self.actuator_lag_s)?;
         Allowed::between(0.0, largest_delay_s)
             .check("uncertainty.actuator_delay_s", self.actuator_delay_s)?;
-        for (key, interval) in [
-            ("mass_percent", self.mass_percent),
-            ("yaw_inertia_percent", self.yaw_inertia_percent),
-            ("front_cornering_stiffness_percent", self.front_cornering_stiffness_percent),
-            ("rear_cornering_stiffness_percent", self.rear_cornering_stiffness_percent),
-        ] {
+        let parameters =
+            ["mass", "yaw_inertia", "front_cornering_stiffness", "rear_cornering_stiffness"];
+        for (parameter, interval) in parameters.into_iter().zip(self.intervals_percent()) {
             let [min, max] = interval;
             SpecError::unless(
                 (-90.0..=0.0).contains(&min) && (0.0..=900.0).contains(&max),
-                &format!("uncertainty.{key}"),
+                &format!("uncertainty.{parameter}_percent"),
                 interval,
                 "[min, max] with -90 <= min <= 0 <= max <= 900: percent off the specified value",
             )?;
