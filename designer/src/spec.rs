@@ -14,7 +14,7 @@ use steerguard_detector::{
     Actuator, Deviations, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, OperatingRange, TsModel, Vehicle,
 };
 
-use crate::lmi::Matrix;
+use crate::lmi::matrix::Matrix;
 use crate::problem::band::Band;
 use crate::problem::channel::Channel;
 use crate::problem::inputs::Inputs;

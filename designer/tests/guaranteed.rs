@@ -12,8 +12,8 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
+use steerguard_designer::lmi::matrix::matrix;
 use steerguard_designer::synthesis::gains::ObserverGains;
-use steerguard_designer::synthesis::theorem4::matrix;
 use steerguard_designer::threshold::calibration::{Population, calibrate, drives};
 use steerguard_designer::threshold::guaranteed::peak_bounds;
 use steerguard_designer::{Design, DesignStatus, Spec, design};

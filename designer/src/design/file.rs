@@ -18,7 +18,7 @@ use steerguard_detector::{Configuration, ConfigurationError, Evaluation, Gains, 
 use crate::analysis::certificate::{Check, Margin};
 use crate::analysis::certified::{APosteriori, CertifiedFigures};
 use crate::analysis::frequency::{Frozen, PointFigures};
-use crate::lmi::Rows3;
+use crate::lmi::matrix::Rows3;
 use crate::search::SearchRecord;
 use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
 use crate::spec_error::SpecError;

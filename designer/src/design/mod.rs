@@ -14,14 +14,14 @@ use crate::design::file::{
     AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
     FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
 };
-use crate::lmi::Matrix;
+use crate::lmi::matrix::{Matrix, nested, rows};
 use crate::problem::band::Band;
 use crate::problem::inputs::Inputs;
 use crate::progress::Step;
 use crate::search::{SearchRecord, search};
 use crate::spec::{MethodName, Spec};
 use crate::spec_error::SpecError;
-use crate::synthesis::gains::{ObserverGains, rows};
+use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::synthesis::theorem4::Theorem4;
@@ -401,9 +401,4 @@ fn statement(theorem: &Theorem4) -> String {
         bands.collect::<Vec<_>>().join(", and with its own gamma "),
         input("f", theorem.fault.band),
     )
-}
-
-/// A matrix as nested rows.
-fn nested(x: &Matrix) -> Vec<Vec<f64>> {
-    x.row_iter().map(|row| row.iter().copied().collect()).collect()
 }

@@ -35,7 +35,7 @@ use crate::analysis::operating_point::{
     Column, FrozenError, OperatingPoint, extreme_gains, spectral_radius,
 };
 use crate::analysis::worth::Worth;
-use crate::lmi::Matrix;
+use crate::lmi::matrix::{Matrix, matrix};
 use crate::problem::band::Band;
 use crate::problem::channel::Channel;
 use crate::problem::inputs::Inputs;
@@ -43,7 +43,7 @@ use crate::progress::Step;
 use crate::spec::Method;
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::solve::{Goal, Synthesis, solve};
-use crate::synthesis::theorem4::{Theorem4, matrix};
+use crate::synthesis::theorem4::Theorem4;
 
 /// Magnitudes of alpha_d on the grid, in units of the given one.
 const ALPHA_D: [f64; 2] = [1.0, 0.025];
