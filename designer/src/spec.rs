@@ -14,14 +14,14 @@ use steerguard_detector::{
     Actuator, Deviations, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, OperatingRange, TsModel, Vehicle,
 };
 
-use crate::band::Band;
-use crate::calibration;
-use crate::channel::Channel;
-use crate::frequency::Inputs;
-use crate::guaranteed::BoundedInput;
-use crate::lmi::Matrix;
+use crate::lmi::matrix::Matrix;
+use crate::problem::band::Band;
+use crate::problem::channel::Channel;
+use crate::problem::inputs::Inputs;
 use crate::spec_error::{Allowed, SpecError, parse};
-use crate::theorem4::{Multipliers, Theorem4};
+use crate::synthesis::theorem4::{Multipliers, Theorem4};
+use crate::threshold::calibration;
+use crate::threshold::guaranteed::BoundedInput;
 
 mod channel;
 mod uncertainty;

@@ -31,7 +31,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::cosimulation::CosimulationError;
+use crate::drive::cosimulation::CosimulationError;
 use crate::output::OutputError;
 use drive::Drive;
 use folder::Folder;

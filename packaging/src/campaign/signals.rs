@@ -16,7 +16,7 @@ use super::settings::Settings;
 use super::simulation::TestBench;
 use super::table::{Column, Table};
 use super::{CampaignError, Manifest};
-use crate::cosimulation::Sample;
+use crate::drive::cosimulation::Sample;
 use crate::output;
 
 /// A sample of a drive.

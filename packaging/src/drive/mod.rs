@@ -1,0 +1,7 @@
+//! Drives through packaged FMUs: scenarios, their co-simulation, and what was detected.
+
+pub mod cosimulation;
+pub mod detection;
+pub mod plot;
+pub mod scenario;
+pub mod simulation;
