@@ -1,10 +1,9 @@
 //! Which variable an importer means, and whether it may set it now.
 
 use steerguard_model_description::{
-    Causality, Kind, Role, Value, Variability, Variable, VariableSet,
+    Causality, EnumerationType, Kind, RealKind, Role, Value, Variability, Variable, VariableSet,
 };
 
-use crate::run::{MAX_ORDER, Run};
 use crate::{Model, Text};
 
 /// A variable with its row of the table.
@@ -24,7 +23,12 @@ pub enum AccessRefusal<'v> {
     /// Derivatives belong to inputs.
     NotAnInput(&'static Variable),
     /// Derivatives of this order are not used.
-    Order(i32),
+    Order {
+        /// The order given.
+        order: i32,
+        /// The highest order that is used.
+        highest: usize,
+    },
 }
 
 impl AccessRefusal<'_> {
@@ -52,14 +56,14 @@ impl AccessRefusal<'_> {
                     Value::Integer(value) => text.integer(value.into()),
                     Value::Boolean(_) | Value::String(_) => text.str("that"),
                 };
-                text.str(": finite values between min and max are allowed");
+                allowed(&row.kind, text.str(": "));
             }
             Self::NotAnInput(row) => {
                 variable(row, text).str("is not an input");
             }
-            Self::Order(order) => {
+            Self::Order { order, highest } => {
                 text.str("derivatives of order ").integer(order.into());
-                text.str(" cannot be used, only 1 to ").integer(MAX_ORDER as i64);
+                text.str(" cannot be used, only 1 to ").integer(highest as i64);
             }
         }
     }
@@ -67,6 +71,34 @@ impl AccessRefusal<'_> {
 
 fn variable<'t>(row: &Variable, text: &'t mut Text) -> &'t mut Text {
     text.str("variable \"").str(row.name).str("\" ")
+}
+
+/// Says which values a type allows.
+fn allowed(kind: &Kind, text: &mut Text) {
+    match kind {
+        Kind::Real(RealKind { min: Some(min), max: Some(max), .. }) => {
+            text.real(*min).str(" to ").real(*max).str(" is allowed");
+        }
+        Kind::Real(RealKind { min: Some(min), .. }) => {
+            text.str("at least ").real(*min).str(" is allowed");
+        }
+        Kind::Real(RealKind { max: Some(max), .. }) => {
+            text.str("at most ").real(*max).str(" is allowed");
+        }
+        Kind::Integer { min, max } => {
+            text.integer((*min).into()).str(" to ").integer((*max).into()).str(" is allowed");
+        }
+        Kind::Enumeration(EnumerationType { items, .. }) => {
+            let mut separator = "its items are ";
+            for (item, value) in items.iter().zip(1..) {
+                text.str(separator).integer(value).str(" ").str(item.name);
+                separator = ", ";
+            }
+        }
+        Kind::Real(_) | Kind::Boolean | Kind::String => {
+            text.str("finite values are allowed");
+        }
+    }
 }
 
 /// Whether a variable of this role may be set before or after the end of initialisation; inputs are
@@ -86,38 +118,36 @@ fn is_real_input(row: &Variable, value: Value<'_>) -> bool {
         && matches!((&row.kind, value), (Kind::Real(_), Value::Real(_)))
 }
 
-impl<M: Model> Run<M> {
-    /// Finds a variable.
-    ///
-    /// # Errors
-    /// [`AccessRefusal::Unknown`].
-    #[inline]
-    pub fn find(vr: u32) -> Result<Entry<M>, AccessRefusal<'static>> {
-        let index = vr as usize;
-        let variable = <M::Variable as VariableSet>::ALL.get(index);
-        match variable.zip(<M::Variable as VariableSet>::TABLE.get(index)) {
-            Some((variable, row)) => Ok((*variable, row)),
-            None => Err(AccessRefusal::Unknown(vr)),
-        }
+/// Finds a variable.
+///
+/// # Errors
+/// [`AccessRefusal::Unknown`].
+#[inline]
+pub fn find<M: Model>(vr: u32) -> Result<Entry<M>, AccessRefusal<'static>> {
+    let index = vr as usize;
+    let variable = <M::Variable as VariableSet>::ALL.get(index);
+    match variable.zip(<M::Variable as VariableSet>::TABLE.get(index)) {
+        Some((variable, row)) => Ok((*variable, row)),
+        None => Err(AccessRefusal::Unknown(vr)),
     }
+}
 
-    /// The variable, if it may be set to a value before or after the end of initialisation.
-    #[inline]
-    pub fn settable(vr: u32, value: Value<'_>, initialised: bool) -> Option<M::Variable> {
-        let (variable, row) = Self::find(vr).ok()?;
-        let settable =
-            is_real_input(row, value) || may_set(row.role, initialised) && row.kind.admits(value);
-        settable.then_some(variable)
-    }
+/// The variable, if it may be set to a value before or after the end of initialisation.
+#[inline]
+pub fn settable<M: Model>(vr: u32, value: Value<'_>, initialised: bool) -> Option<M::Variable> {
+    let (variable, row) = find::<M>(vr).ok()?;
+    let settable =
+        is_real_input(row, value) || may_set(row.role, initialised) && row.kind.admits(value);
+    settable.then_some(variable)
+}
 
-    /// Why a variable is not [`settable`](Self::settable).
-    #[cold]
-    pub fn refusal_to_set(vr: u32, value: Value<'_>, initialised: bool) -> AccessRefusal<'_> {
-        match Self::find(vr) {
-            Err(refusal) => refusal,
-            Ok((_, row)) if !row.kind.is_type_of(value) => AccessRefusal::WrongType(row),
-            Ok((_, row)) if !may_set(row.role, initialised) => AccessRefusal::NotSettable(row),
-            Ok((_, row)) => AccessRefusal::OutOfRange(row, value),
-        }
+/// Why a variable is not [`settable`].
+#[cold]
+pub fn refusal_to_set<M: Model>(vr: u32, value: Value<'_>, initialised: bool) -> AccessRefusal<'_> {
+    match find::<M>(vr) {
+        Err(refusal) => refusal,
+        Ok((_, row)) if !row.kind.is_type_of(value) => AccessRefusal::WrongType(row),
+        Ok((_, row)) if !may_set(row.role, initialised) => AccessRefusal::NotSettable(row),
+        Ok((_, row)) => AccessRefusal::OutOfRange(row, value),
     }
 }

@@ -13,6 +13,7 @@
 pub mod access;
 pub mod baked;
 pub mod clock;
+mod decimal;
 mod export;
 pub mod fields;
 mod guid;
@@ -26,7 +27,7 @@ mod text;
 
 pub use access::AccessRefusal;
 pub use baked::{BLOCK_SIZE, Baked, BakedError, Block, PAYLOAD_CAPACITY, SealError, seal};
-pub use clock::{Clock, StepRefusal};
+pub use clock::{Clock, RunRefusal, Step, StepRefusal};
 pub use fields::Archive;
 pub use guid::{GUID_LENGTH, Guid};
 pub use log::{Categories, Log, Logger};
