@@ -8,7 +8,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use steerguard_designer::Spec;
-use steerguard_designer::synthesis::{Goal, solve};
+use steerguard_designer::synthesis::solve::{Goal, solve};
 
 /// Lateral and yaw acceleration of each disturbance, at a bound of 1: the first two are those of S1
 /// (METHOD.md 7).

@@ -12,37 +12,25 @@
 
 #![forbid(unsafe_code)]
 
-pub mod band;
-pub mod calibration;
-pub mod certificate;
-pub mod certified;
-pub mod channel;
+pub mod analysis;
 mod design;
-mod design_file;
-pub mod frequency;
-pub mod gains;
-pub mod gap;
-pub mod guaranteed;
-pub mod gust;
-mod infeasible;
+pub mod document;
 pub mod lmi;
-pub mod operating_point;
+pub mod problem;
+mod progress;
+pub mod search;
 pub mod spec;
-mod spec_error;
-pub mod start_up;
 pub mod synthesis;
-pub mod theorem4;
 pub mod threshold;
-pub mod worth;
 
-pub use certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
-pub use design::{DesignError, Step, design};
-pub use design_file::{
+pub use analysis::certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
+pub use design::file::{
     AttenuationRecord, Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign,
-    FORMAT, FaultFigures, FrozenRecord, LargestBeta, Performance, Rows3, Rule, StartUpRecord,
+    FORMAT, FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord,
     SynthesisRecord,
 };
-pub use guaranteed::{Guaranteed, InputBound, PeakCertificate};
-pub use infeasible::Obstacle;
+pub use design::{DesignError, design};
+pub use progress::Step;
 pub use spec::Spec;
-pub use spec_error::SpecError;
+pub use synthesis::obstacle::Obstacle;
+pub use threshold::guaranteed::{Guaranteed, InputBound, PeakCertificate};

@@ -10,13 +10,13 @@ use chacha20::rand_core::SeedableRng;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
 use rand_distr::{Distribution, StandardNormal};
-use steerguard_designer::channel::{premise_sensitivity, premise_sensitivity_vertices};
-use steerguard_designer::frequency::noise_rms;
-use steerguard_designer::gains::ObserverGains;
+use steerguard_designer::analysis::frequency::noise_rms;
+use steerguard_designer::analysis::operating_point::{FrozenError, OperatingPoint};
 use steerguard_designer::lmi::Matrix;
-use steerguard_designer::operating_point::{FrozenError, OperatingPoint};
+use steerguard_designer::problem::channel::{premise_sensitivity, premise_sensitivity_vertices};
 use steerguard_designer::spec::Fault;
-use steerguard_designer::theorem4::matrix;
+use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::theorem4::matrix;
 use steerguard_designer::{Design, DesignError, Spec, SpecError};
 use steerguard_detector::{
     Actuator, Configuration, Detector, Deviations, Evaluation, Input, Monitor, RULES, TsModel,

@@ -9,16 +9,16 @@ mod few_drives;
 mod s1;
 
 use serde::Deserialize;
-use steerguard_designer::band::Band;
-use steerguard_designer::certified::{Error, Gain, certified, certify};
-use steerguard_designer::channel::Channel;
-use steerguard_designer::frequency::frozen;
-use steerguard_designer::gains::ObserverGains;
+use steerguard_designer::analysis::certified::{ErrorSystem, Gain, certified, certify};
+use steerguard_designer::analysis::frequency::frozen;
+use steerguard_designer::analysis::operating_point::OperatingPoint;
 use steerguard_designer::lmi::Matrix;
-use steerguard_designer::operating_point::OperatingPoint;
+use steerguard_designer::problem::band::Band;
+use steerguard_designer::problem::channel::Channel;
 use steerguard_designer::spec::Disturbance;
-use steerguard_designer::synthesis::{Goal, solve};
-use steerguard_designer::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::solve::{Goal, solve};
+use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
 use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::{Refusal, verify};
 
@@ -78,7 +78,7 @@ fn values_agree_with_an_independent_solver() {
             (&disturbances, Band::Low(THETA), Gain::Largest, case.gamma.value),
             (&disturbances, Band::Full, Gain::Largest, case.gamma_full_band.value),
         ] {
-            let error = Error::new(&theorem, &gains, input);
+            let error = ErrorSystem::new(&theorem, &gains, input);
             let value = certify(&error, band, gain, input.norm()).unwrap().gain;
             assert!((value / expected - 1.0).abs() < 1e-3, "{}: {value}, {expected}", case.name);
         }
@@ -212,7 +212,7 @@ fn unstable_error_dynamics_have_no_certificate() {
     let h = std::array::from_fn(|_| h.clone());
     let gains = ObserverGains::new(&Matrix::zeros(3, 2), &h, &theorem.a);
     let input = Matrix::from_column_slice(3, 1, &[0.01, 0.0, 0.0]);
-    let error = Error::new(&theorem, &gains, &Channel::disturbance(input, Band::Full));
+    let error = ErrorSystem::new(&theorem, &gains, &Channel::disturbance(input, Band::Full));
     assert!(certify(&error, Band::Full, Gain::Largest, 1.0).is_err());
 }
 

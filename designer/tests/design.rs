@@ -4,15 +4,15 @@
 
 use std::sync::OnceLock;
 
-use steerguard_designer::calibration::steady_angle;
-use steerguard_designer::certificate::{check, error_dynamics};
-use steerguard_designer::gains::ObserverGains;
+use steerguard_designer::analysis::certificate::{check, error_dynamics};
 use steerguard_designer::spec::{
     ActuatorTable, Calibration, Evaluation, Manoeuvre, ThresholdKind, UncertaintyTable,
 };
-use steerguard_designer::synthesis::{AttenuationMatrices, Lyapunov};
-use steerguard_designer::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::solve::{AttenuationMatrices, Lyapunov};
+use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
 use steerguard_designer::threshold::by_cause;
+use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, Obstacle, Spec, Step, design,
 };

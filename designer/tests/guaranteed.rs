@@ -12,10 +12,10 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
-use steerguard_designer::calibration::{Population, calibrate, drives};
-use steerguard_designer::gains::ObserverGains;
-use steerguard_designer::guaranteed::peak_bounds;
-use steerguard_designer::theorem4::matrix;
+use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::theorem4::matrix;
+use steerguard_designer::threshold::calibration::{Population, calibrate, drives};
+use steerguard_designer::threshold::guaranteed::peak_bounds;
 use steerguard_designer::{Design, DesignStatus, Spec, design};
 use steerguard_verify::verify;
 

@@ -4,14 +4,14 @@
 
 use serde::Deserialize;
 use steerguard_designer::Spec;
-use steerguard_designer::certified::{Error, Gain, certify};
-use steerguard_designer::channel::Channel;
-use steerguard_designer::frequency::{PointFigures, at_point, limit};
-use steerguard_designer::gains::ObserverGains;
+use steerguard_designer::analysis::certified::{Error, Gain, certify};
+use steerguard_designer::analysis::frequency::{PointFigures, at_point, limit};
+use steerguard_designer::analysis::operating_point::OperatingPoint;
 use steerguard_designer::lmi::Matrix;
-use steerguard_designer::operating_point::OperatingPoint;
-use steerguard_designer::synthesis::{Goal, solve};
-use steerguard_designer::theorem4::matrix;
+use steerguard_designer::problem::channel::Channel;
+use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::solve::{Goal, solve};
+use steerguard_designer::synthesis::theorem4::matrix;
 use steerguard_detector::RULES;
 
 mod common;

@@ -2,12 +2,12 @@
 
 use proptest::prelude::*;
 use steerguard_designer::Spec;
-use steerguard_designer::band::Band;
-use steerguard_designer::certificate::check;
-use steerguard_designer::channel::Channel;
+use steerguard_designer::analysis::certificate::check;
 use steerguard_designer::lmi::{Affine, Matrix};
-use steerguard_designer::synthesis::{Goal, solve};
-use steerguard_designer::theorem4::{Attenuation, Multipliers, Quantities, Theorem4};
+use steerguard_designer::problem::band::Band;
+use steerguard_designer::problem::channel::Channel;
+use steerguard_designer::synthesis::solve::{Goal, solve};
+use steerguard_designer::synthesis::theorem4::{Attenuation, Multipliers, Quantities, Theorem4};
 use steerguard_detector::RULES;
 
 /// 1.5 Hz at 0.01 s, rad a sample.

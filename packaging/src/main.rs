@@ -3,11 +3,11 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use steerguard::cli::Cli;
-use steerguard::command;
+use steerguard::cli;
+use steerguard::cli::arguments::Cli;
 
 fn main() -> ExitCode {
-    match command::run(&Cli::parse()) {
+    match cli::run(&Cli::parse()) {
         Ok(exit) => exit.into(),
         Err(failure) => {
             failure.report();

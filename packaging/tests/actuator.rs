@@ -5,12 +5,12 @@
 #[path = "common/fmu.rs"]
 mod fmu;
 
-use steerguard::cosimulation::{Excitation, Rig};
-use steerguard::design_summary::baked;
+use steerguard::cli::design_summary::baked;
+use steerguard::drive::cosimulation::{Excitation, Rig};
+use steerguard::fmu::package::{detector_fmu, plant_fmu};
+use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Fmu;
-use steerguard::package::{detector_fmu, plant_fmu};
-use steerguard::runtime::Runtimes;
-use steerguard_designer::calibration::steady_angle;
+use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_designer::{Spec, design};
 use steerguard_detector::{Actuator, Vehicle};
 

@@ -10,9 +10,9 @@ use steerguard::campaign::drive::Drive;
 use steerguard::campaign::manoeuvre::Manoeuvre;
 use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
-use steerguard::cosimulation::Sample;
-use steerguard::package::{detector_fmu, plant_fmu};
-use steerguard::runtime::Runtimes;
+use steerguard::drive::cosimulation::Sample;
+use steerguard::fmu::package::{detector_fmu, plant_fmu};
+use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::spec::UncertaintyTable;
 use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
 

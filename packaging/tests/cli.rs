@@ -114,7 +114,7 @@ fn fmus_are_simulated_with_a_scenario() {
 fn the_printed_scenario_is_a_scenario() {
     let folder = folder();
     let text = success(folder.path(), &["simulate", "--print-scenario"]);
-    steerguard::scenario::Scenario::parse(&text).unwrap();
+    steerguard::drive::scenario::Scenario::parse(&text).unwrap();
 }
 
 #[test]

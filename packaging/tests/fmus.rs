@@ -10,13 +10,13 @@ use std::collections::BTreeSet;
 use std::io::{Cursor, Read};
 
 use object::{Object as _, ObjectSymbol as _};
-use steerguard::cosimulation;
-use steerguard::detection::Detection;
+use steerguard::drive::cosimulation;
+use steerguard::drive::detection::Detection;
+use steerguard::drive::scenario::Scenario;
+use steerguard::fmu::package::{detector_fmu, plant_fmu};
+use steerguard::fmu::platform::Platform;
+use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Type;
-use steerguard::package::{detector_fmu, plant_fmu};
-use steerguard::platform::Platform;
-use steerguard::runtime::Runtimes;
-use steerguard::scenario::Scenario;
 use steerguard_fmi2::Function;
 use steerguard_model_description::xml;
 
@@ -162,7 +162,8 @@ fn a_wrong_guid_is_refused_with_a_reason() {
 
 #[test]
 fn an_unbaked_library_is_refused_with_a_reason() {
-    let mut archive = steerguard::archive::Archive::new(entry(&detector(), "modelDescription.xml"));
+    let mut archive =
+        steerguard::fmu::archive::Archive::new(entry(&detector(), "modelDescription.xml"));
     let platform = Platform::HOST.unwrap();
     let library = Runtimes::detector().0.remove(&platform).unwrap();
     archive.insert(platform.library_path("SteeringFaultDetector"), library);

@@ -7,11 +7,11 @@ mod fmu;
 #[path = "../../designer/tests/common/s1.rs"]
 mod s1;
 
-use steerguard::cosimulation::{self, Sample};
-use steerguard::design_summary::baked;
-use steerguard::package::{detector_fmu, plant_fmu};
-use steerguard::runtime::Runtimes;
-use steerguard::scenario::{Scenario, Signal};
+use steerguard::cli::design_summary::baked;
+use steerguard::drive::cosimulation::{self, Sample};
+use steerguard::drive::scenario::{Scenario, Signal};
+use steerguard::fmu::package::{detector_fmu, plant_fmu};
+use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::{Design, DesignStatus, Spec, design};
 
 use fmu::open;

@@ -7,9 +7,9 @@ mod common;
 use std::io::{Cursor, Read};
 
 use steerguard::check::check;
-use steerguard::package::{detector_fmu, plant_fmu};
-use steerguard::runtime::Runtimes;
-use steerguard::system::system_ssp;
+use steerguard::fmu::package::{detector_fmu, plant_fmu};
+use steerguard::fmu::runtime::Runtimes;
+use steerguard::fmu::system::system_ssp;
 use steerguard_fmu::BakedDesign;
 
 fn system(design: &BakedDesign) -> Vec<u8> {

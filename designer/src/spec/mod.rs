@@ -26,6 +26,7 @@ mod uncertainty;
 mod vehicle;
 
 pub use actuator::ActuatorTable;
+pub(crate) use band::check as check_band;
 pub use calibration::{Calibration, Manoeuvre};
 pub use design::{Method, MethodName, MultiplierV, VName};
 pub use disturbance::Disturbance;
@@ -35,6 +36,7 @@ pub use noise::{Noise, SpeedNoise, YawRateNoise};
 pub use operating_range::OperatingRangeTable;
 pub use sampling::Sampling;
 pub use uncertainty::UncertaintyTable;
+pub(crate) use vehicle::VehicleTable;
 
 /// A specification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

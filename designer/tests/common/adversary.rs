@@ -2,8 +2,8 @@
 
 use rand_distr::{Distribution, Uniform};
 use steerguard_designer::Design;
-use steerguard_designer::calibration::steady_angle;
-use steerguard_designer::operating_point::{FrozenError, OperatingPoint};
+use steerguard_designer::analysis::operating_point::{FrozenError, OperatingPoint};
+use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_detector::{Configuration, Detector, Deviations, Input, Monitor, VehicleState};
 
 use chacha20::ChaCha8Rng;

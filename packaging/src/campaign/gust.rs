@@ -1,6 +1,6 @@
 //! Gusts across the road, as the drives have them.
 
-use steerguard_designer::gust::Gusts;
+use steerguard_designer::threshold::gust::Gusts;
 use steerguard_detector::Gust;
 
 use super::drive::Drive;

@@ -9,7 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use steerguard_designer::calibration::steady_angle;
+use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_detector::Vehicle;
 
 use super::drive::Drive;

@@ -14,8 +14,8 @@
 //!   frequent, small faults seem detected.
 
 use super::record::{named, record};
-use crate::cosimulation::Sample;
-use crate::detection::MONITORING;
+use crate::drive::cosimulation::Sample;
+use crate::drive::detection::MONITORING;
 
 named! {
     /// What became of the fault.

@@ -9,9 +9,9 @@ use super::manoeuvre::Course;
 use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
 use super::wheel::Wheel;
-use crate::cosimulation::{CosimulationError, Excitation, Rig, Sample};
+use crate::drive::cosimulation::{CosimulationError, Excitation, Rig, Sample};
+use crate::drive::scenario::SensorNoise;
 use crate::importer::{Fmu, Type};
-use crate::scenario::SensorNoise;
 
 /// What the drives need: both FMUs and the design under test.
 pub struct TestBench {

@@ -1,0 +1,183 @@
+//! The error dynamics at constant operating points.
+//!
+//! At constant v_x, v_y, r, with sensor noise v, the error `e' = x - x^ - E D_y v` obeys
+//! (METHOD.md 5)
+//!
+//! ```text
+//! e'+ = N e' + M D d + M F f + (-L + M G rho E - M K) D_y v,   N = N(h) + M G rho [0 1 0]
+//! W_r r = W_r C e' + W_r (I + C E) D_y v,                        rho = 2 v_y
+//! ```
+//!
+//! # Conventions
+//! - A signal's transfer matrix is that to the weighted residual W_r r, whose norm J averages.
+//! - The operating points are a grid over S_x, its corners included.
+
+use nalgebra::{Complex, Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2, Vector3};
+use steerguard_detector::{C, Gains, Interval, RULES, TsModel};
+
+use crate::lmi::Matrix;
+use crate::problem::channel::{Channel, premise_sensitivity};
+use crate::synthesis::theorem4::g_rho;
+
+/// Speeds, yaw rates and lateral speeds across the operating range.
+const SPEEDS: u32 = 6;
+const YAW_RATES: u32 = 3;
+const LATERAL_SPEEDS: u32 = 3;
+
+/// What the model is at an operating point.
+#[derive(Clone, Copy, Debug)]
+pub struct OperatingPoint {
+    /// `[v_x, v_y, r]`, m/s, m/s, rad/s.
+    pub state: [f64; 3],
+    /// h, membership of the rules.
+    pub membership: [f64; RULES],
+    /// `A(xi) + G rho [0 1 0]`.
+    pub a: Matrix3<f64>,
+    /// `G rho [0 1 0]`.
+    pub g_rho: Matrix3<f64>,
+    /// K.
+    pub k: Matrix3x2<f64>,
+}
+
+impl OperatingPoint {
+    /// The model at `[v_x, v_y, r]`.
+    pub fn new(model: &TsModel, state: [f64; 3]) -> Self {
+        let [v_x, v_y, r] = state;
+        let g_rho = square(&g_rho(model, 2.0 * v_y));
+        let k = premise_sensitivity(model, state);
+        Self {
+            state,
+            membership: model.membership([v_x, r]),
+            a: fixed(&model.a(1.0 / v_x, r)) + g_rho,
+            g_rho,
+            k: Matrix3x2::from_iterator(k.iter().copied()),
+        }
+    }
+
+    /// The grid over S_x.
+    pub fn grid(model: &TsModel) -> Vec<Self> {
+        Self::at_speeds(model, spread(model.range.v_x, SPEEDS))
+    }
+
+    /// A coarser one, its corners included: lowest and highest speed and that of the mean 1/v_x.
+    pub fn coarse_grid(model: &TsModel) -> Vec<Self> {
+        let Interval { min, max } = model.range.v_x;
+        Self::at_speeds(model, [min, 2.0 / (1.0 / min + 1.0 / max), max].into_iter())
+    }
+
+    fn at_speeds(model: &TsModel, speeds: impl Iterator<Item = f64>) -> Vec<Self> {
+        let mut points = Vec::new();
+        for v_x in speeds {
+            for r in spread(model.range.r, YAW_RATES) {
+                for v_y in spread(model.range.v_y, LATERAL_SPEEDS) {
+                    points.push(Self::new(model, [v_x, v_y, r]));
+                }
+            }
+        }
+        points
+    }
+}
+
+/// Evenly spread values, ends included.
+fn spread(interval: Interval, count: u32) -> impl Iterator<Item = f64> {
+    let step = (interval.max - interval.min) / f64::from(count - 1);
+    (0..count).map(
+        move |k| if k + 1 == count { interval.max } else { interval.min + step * f64::from(k) },
+    )
+}
+
+/// Column of an input, and of its feedthrough.
+pub(crate) type Column = (Vector3<Complex<f64>>, Vector2<Complex<f64>>);
+
+/// The error dynamics of an observer at an operating point.
+#[derive(Clone, Copy, Debug)]
+pub struct FrozenError {
+    /// `N(h) + M G rho [0 1 0]`.
+    pub n: Matrix3<f64>,
+    /// M.
+    pub m: Matrix3<f64>,
+    /// `-L(h) + M G rho E - M K`, to be multiplied by D_y.
+    pub from_noise: Matrix3x2<f64>,
+    /// `W_r C`.
+    pub output: Matrix2x3<f64>,
+    /// `W_r (I + C E)`, to be multiplied by D_y.
+    pub feedthrough: Matrix2<f64>,
+}
+
+impl FrozenError {
+    /// The error dynamics of `gains` at `point`, with the diagonal `weights` of W_r.
+    pub fn new(point: &OperatingPoint, gains: &Gains, weights: [f64; 2]) -> Self {
+        let (m, e, c) = (fixed(&gains.m), fixed(&gains.e), fixed(&C));
+        let mut n = m * point.g_rho;
+        let mut l = Matrix3x2::zeros();
+        for (h, (n_i, l_i)) in point.membership.iter().zip(gains.n.iter().zip(&gains.l)) {
+            n += fixed(n_i) * *h;
+            l += fixed(l_i) * *h;
+        }
+        let w_r = Matrix2::from_diagonal(&Vector2::from(weights));
+        Self {
+            n,
+            m,
+            from_noise: m * point.g_rho * e - l - m * point.k,
+            output: w_r * c,
+            feedthrough: w_r * (Matrix2::identity() + c * e),
+        }
+    }
+
+    /// Every input of `channel`.
+    pub(crate) fn columns(&self, channel: &Channel) -> Vec<Column> {
+        let complex =
+            |b: Vector3<f64>, d: Vector2<f64>| (b.map(Complex::from), d.map(Complex::from));
+        let direct = channel
+            .direction
+            .column_iter()
+            .map(|d| complex(self.m * Vector3::from_iterator(d.iter().copied()), Vector2::zeros()));
+        let noise = channel.noise.column_iter().map(|d_y| {
+            let d_y = Vector2::from_iterator(d_y.iter().copied());
+            complex(self.from_noise * d_y, self.feedthrough * d_y)
+        });
+        direct.chain(noise).collect()
+    }
+
+    /// `(z I - N)^-1` at `z = exp(jw)`; none where z is an eigenvalue.
+    pub fn resolvent(&self, w: f64) -> Option<Matrix3<Complex<f64>>> {
+        let z = Complex::from_polar(1.0, w);
+        (Matrix3::from_diagonal_element(z) - self.n.map(Complex::from)).try_inverse()
+    }
+}
+
+/// Singular values of a transfer matrix with two outputs, `[largest, smallest]`, the smallest of a
+/// single column being its norm.
+pub(crate) fn extreme_gains(columns: impl Iterator<Item = Vector2<Complex<f64>>>) -> [f64; 2] {
+    let (mut a, mut d, mut b, mut count) = (0.0, 0.0, Complex::new(0.0, 0.0), 0);
+    for g in columns {
+        a += g[0].norm_sqr();
+        d += g[1].norm_sqr();
+        b += g[0] * g[1].conj();
+        count += 1;
+    }
+    let (mean, half) = ((a + d) / 2.0, (a - d) / 2.0);
+    let radius = half.hypot(b.norm());
+    let largest = (mean + radius).sqrt();
+    match count {
+        0 => [0.0, 0.0],
+        1 => [(a + d).sqrt(); 2],
+        // The product of both is the determinant.
+        _ => [largest, ((a * d - b.norm_sqr()).max(0.0)).sqrt() / largest.max(f64::MIN_POSITIVE)],
+    }
+}
+
+/// Largest magnitude of an eigenvalue.
+pub fn spectral_radius(x: &Matrix3<f64>) -> f64 {
+    x.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
+}
+
+/// A 3 x 3 matrix, its size known.
+pub(crate) fn square(x: &Matrix) -> Matrix3<f64> {
+    Matrix3::from_iterator(x.iter().copied())
+}
+
+/// A matrix of rows, its size known.
+pub(crate) fn fixed<const R: usize, const K: usize>(rows: &[[f64; K]; R]) -> SMatrix<f64, R, K> {
+    SMatrix::from_fn(|row, column| rows[row][column])
+}

@@ -1,0 +1,137 @@
+//! Start-up of the residual: a bound `||W_r r_j|| <= amplitude tau^j` for given gains
+//! (METHOD.md 6).
+//!
+//! The observer starts at `z_0 = M [v_x, 0, r]`, so the error starts at `e_0 = [0, v_y, 0]` and obeys
+//! `e+ = N_i(rho) e`. Matrices P_i with
+//!
+//! ```text
+//! tau^2 P_i - N_i(rho)' P_k N_i(rho) >= 0,   P_i - C' W_r^2 C >= 0
+//! ```
+//!
+//! give `||W_r r_j||^2 <= e_j' P e_j <= tau^(2 j) v_y^2 max_i [0 1 0] P_i [0 1 0]'`. The smallest such
+//! bound for a given tau is a semidefinite programme.
+
+use steerguard_detector::{C, Evaluation, RULES, StartUp};
+
+use crate::analysis::certificate::{ErrorDynamics, Margin};
+use crate::analysis::operating_point::{spectral_radius, square};
+use crate::lmi::{self, Affine, Matrix, Variables};
+use crate::synthesis::theorem4::{for_all, matrix};
+
+/// Decay rates tried between the slowest mode's and the design's.
+const DECAY_RATES: u32 = 12;
+/// Margin of the inequalities, in units of the larger weight squared.
+const MARGIN: f64 = 1e-7;
+/// Makes up for the rounding of the amplitude.
+const ROUNDED_UP: f64 = 1.0 + 16.0 * f64::EPSILON;
+/// Longest start-up considered, samples.
+const LONGEST: u32 = 100_000;
+
+/// A bound on the start-up residual, checked apart from the solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StartUpBound {
+    /// Factor of `tau^j`.
+    pub amplitude: f64,
+    /// tau, in (0, 1).
+    pub decay: f64,
+    /// P_i.
+    pub p: [Matrix; RULES],
+    /// Margin of the inequalities at P_i.
+    pub margin: Margin,
+}
+
+/// The bound whose term of the threshold sinks below `negligible` soonest, among decay rates up to
+/// `slowest`; `evaluation` gives window and weights, `v_y` the largest lateral speed at the start.
+/// None where no decay rate has a bound that passes its check.
+pub fn bound(
+    dynamics: &ErrorDynamics,
+    slowest: f64,
+    evaluation: &Evaluation,
+    v_y: f64,
+    negligible: f64,
+) -> Option<StartUpBound> {
+    let radius = dynamics.iter().flatten().map(|n| spectral_radius(&square(n))).fold(0.0, f64::max);
+    let rates = (1..=DECAY_RATES)
+        .map(|step| radius + (slowest - radius) * f64::from(step) / f64::from(DECAY_RATES));
+    let bounds = rates.filter_map(|decay| bound_at(dynamics, decay, evaluation.weights, v_y));
+    bounds.min_by_key(|bound| samples_until(negligible, bound, evaluation))
+}
+
+/// Samples until the start-up term stays below `negligible`.
+fn samples_until(negligible: f64, bound: &StartUpBound, evaluation: &Evaluation) -> u32 {
+    let evaluation = Evaluation {
+        start_up_amplitude: bound.amplitude,
+        start_up_decay: bound.decay,
+        ..*evaluation
+    };
+    let mut term = StartUp::RESTARTED;
+    // The term rises while the window fills and sinks from then on.
+    let mut last_above = 0;
+    for sample in 0..LONGEST {
+        if term.next(&evaluation) > negligible {
+            last_above = sample;
+        } else if sample as usize > evaluation.window {
+            break;
+        }
+    }
+    last_above
+}
+
+/// The smallest bound for one decay rate.
+fn bound_at(
+    dynamics: &ErrorDynamics,
+    decay: f64,
+    weights: [f64; 2],
+    v_y: f64,
+) -> Option<StartUpBound> {
+    let unit = weights[0].max(weights[1]);
+    let w_c = Matrix::from_fn(2, 3, |row, column| weights[row] / unit * matrix(&C)[(row, column)]);
+    let output = w_c.transpose() * w_c;
+    let e_2 = Matrix::from_column_slice(3, 1, &[0.0, 1.0, 0.0]);
+
+    let mut variables = Variables::default();
+    let p: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
+    let largest = variables.scalar();
+    let mut inequalities = conditions(dynamics, decay, &output, &p);
+    for inequality in &mut inequalities {
+        *inequality = &*inequality - &(Matrix::identity(3, 3) * MARGIN).into();
+    }
+    inequalities.extend(p.iter().map(|p| &largest - &(&e_2.transpose() * &(p * &e_2))));
+    let solution = lmi::minimise(&variables, &largest, &inequalities).ok()?;
+    if !solution.is_candidate() {
+        return None;
+    }
+
+    // From here on numbers only: the solver's account is not used.
+    let p = p.map(|p| p.at(&solution.x));
+    let largest = p.iter().map(|p| p[(1, 1)]).fold(0.0, f64::max);
+    let constant = p.each_ref().map(|p| Affine::from(p.clone()));
+    let p_norm = p.iter().map(Matrix::norm).fold(0.0, f64::max);
+    let n_norm = dynamics.iter().flatten().map(Matrix::norm).fold(1.0, f64::max);
+    let margin = Margin::of(
+        &conditions(dynamics, decay, &output, &constant),
+        1.0 + p_norm * (1.0 + n_norm * n_norm),
+    );
+    margin.holds().then(|| StartUpBound {
+        amplitude: unit * largest.sqrt() * v_y * ROUNDED_UP,
+        decay,
+        p: p.map(|p| p * (unit * unit)),
+        margin,
+    })
+}
+
+/// The inequalities at the head of this module.
+fn conditions(
+    dynamics: &ErrorDynamics,
+    decay: f64,
+    output: &Matrix,
+    p: &[Affine; RULES],
+) -> Vec<Affine> {
+    let mut inequalities: Vec<Affine> =
+        p.iter().map(|p| p - &Affine::from(output.clone())).collect();
+    for_all(|i, k, j| {
+        let n = &dynamics[i][j];
+        inequalities.push(decay * decay * &p[i] - &n.transpose() * &(&p[k] * n));
+    });
+    inequalities
+}

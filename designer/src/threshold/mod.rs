@@ -1,0 +1,223 @@
+//! The threshold by its kinds, and what it is made of.
+//!
+//! ```text
+//! J_th(k) = threshold + start-up term(k) + share RMS_window( sum_j ||W_r C e_j(k)|| )
+//! ```
+//!
+//! with e_j the error's response to uncertainty j at its bound: METHOD.md 6.
+
+pub mod calibration;
+pub mod guaranteed;
+pub mod gust;
+
+use serde::Serialize;
+use steerguard_detector::{
+    Configuration, ConfigurationError, Deviations, Evaluation, Input, Observer, Place, VehicleState,
+};
+
+use crate::progress::Step;
+use crate::spec::{Spec, ThresholdKind};
+use crate::synthesis::gains::ObserverGains;
+use crate::synthesis::theorem4::Theorem4;
+use crate::threshold::calibration::{Level, Population, calibrate, drives, steady_angle};
+use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
+
+/// Names of the uncertainties, in the order of the detector's.
+pub const UNCERTAINTIES: [&str; steerguard_detector::UNCERTAINTIES] =
+    ["mass", "yaw inertia", "front stiffness", "rear stiffness", "bank", "gust", "actuator"];
+
+/// Why there is no threshold.
+#[derive(Debug, thiserror::Error)]
+pub enum ThresholdError {
+    /// The residual has no bound that the inequalities prove.
+    #[error(
+        "no bound on J under \"{input}\" was found for evaluation.threshold = \"guaranteed\": the \
+         error must contract whatever the course of the premise; lower design.decay, narrow \
+         operating_range.v_x_m_per_s or operating_range.v_y_m_per_s, or take another kind of threshold"
+    )]
+    Guarantee {
+        /// The disturbance or noise.
+        input: String,
+    },
+    /// Nothing to calibrate from.
+    #[error(
+        "the detector monitored no sample of the calibration's drives: every one left the \
+         operating range"
+    )]
+    Calibration,
+    /// The detector refuses the numbers found.
+    #[error(transparent)]
+    Configuration(#[from] ConfigurationError),
+}
+
+/// A threshold, and where it comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threshold {
+    /// On J once the start-up has passed, where nothing is uncertain.
+    pub threshold: f64,
+    /// Share of the uncertainties' bound that is added.
+    pub uncertainty_share: f64,
+    /// Largest fault-free level of the vehicle as specified, of kinds "calibrated" and "adaptive".
+    pub calibration: Option<Level>,
+    /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
+    pub uncertain: Option<Level>,
+    /// The bound and its causes, of kind "guaranteed".
+    pub guaranteed: Option<Guaranteed>,
+    /// What proves it.
+    pub peaks: Option<Vec<PeakCertificate>>,
+}
+
+impl Threshold {
+    fn constant(threshold: f64) -> Self {
+        Self {
+            threshold,
+            uncertainty_share: 0.0,
+            calibration: None,
+            uncertain: None,
+            guaranteed: None,
+            peaks: None,
+        }
+    }
+}
+
+/// The threshold that `spec` asks for of a detector with `gains` of `theorem` and with
+/// `configuration`, whose own threshold is not looked at.
+///
+/// # Errors
+/// [`ThresholdError`] where the detector cannot run or monitors no sample, or where no bound is found.
+pub fn threshold(
+    spec: &Spec,
+    theorem: &Theorem4,
+    gains: &ObserverGains,
+    configuration: &Configuration,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Threshold, ThresholdError> {
+    let e = &spec.evaluation;
+    match e.threshold {
+        // A specification without the number is refused when it is read.
+        ThresholdKind::Constant => Ok(Threshold::constant(e.constant.unwrap_or_default())),
+        ThresholdKind::Calibrated => {
+            let level = largest(spec, configuration, Population::Specified, progress)?;
+            Ok(Threshold {
+                calibration: Some(level.clone()),
+                ..Threshold::constant(e.margin * level.level)
+            })
+        }
+        ThresholdKind::Adaptive => {
+            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let evaluation = Evaluation {
+                threshold: level.level,
+                uncertainty_share: 1.0,
+                ..configuration.evaluation
+            };
+            let bounded = Configuration { evaluation, ..*configuration };
+            let ratio = largest(spec, &bounded, Population::Uncertain, progress)?;
+            let factor = e.margin * ratio.level;
+            Ok(Threshold {
+                uncertainty_share: factor,
+                calibration: Some(level.clone()),
+                uncertain: Some(ratio),
+                ..Threshold::constant(factor * level.level)
+            })
+        }
+        ThresholdKind::Guaranteed => {
+            progress(Step::Guarantee);
+            let bounds = peak_bounds(spec, theorem, gains);
+            let (inputs, peaks) =
+                bounds.map_err(|input| ThresholdError::Guarantee { input })?.into_iter().unzip();
+            let undisturbed = without_inputs(spec);
+            let discretisation =
+                largest(&undisturbed, configuration, Population::Specified, progress)?;
+            let guaranteed = Guaranteed::new(inputs, discretisation);
+            Ok(Threshold {
+                peaks: Some(peaks),
+                guaranteed: Some(guaranteed.clone()),
+                ..Threshold::constant(e.margin * guaranteed.level())
+            })
+        }
+    }
+}
+
+/// The largest statistic of the drives that `spec` asks for.
+fn largest(
+    spec: &Spec,
+    configuration: &Configuration,
+    population: Population,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Level, ThresholdError> {
+    let drives = drives(spec);
+    let of = drives.len();
+    progress(Step::Calibration { done: 0, of });
+    let mut count = |done| progress(Step::Calibration { done, of });
+    calibrate(spec, configuration, &drives, population, &mut count)?
+        .ok_or(ThresholdError::Calibration)
+}
+
+/// The threshold in a steady turn, cause by cause.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SteadyThreshold {
+    /// Speed.
+    pub v_x_m_per_s: f64,
+    /// Lateral acceleration.
+    pub lateral_acceleration_m_per_s2: f64,
+    /// Noise, disturbances and what else a fault-free drive of the specified vehicle shows.
+    pub level: f64,
+    /// Each uncertainty, in the order of [`UNCERTAINTIES`].
+    pub uncertainties: [f64; steerguard_detector::UNCERTAINTIES],
+    /// The sum: J_th.
+    pub j_th: f64,
+    /// The J that the smallest fault of interest makes alone.
+    pub smallest_fault_j: f64,
+}
+
+/// Lateral acceleration of the turns in [`by_cause`], m/s^2.
+const TURN_M_PER_S2: f64 = 3.0;
+/// Samples until a response counts as steady: the error decays by 0.97 a sample or faster.
+const STEADY: u32 = 2000;
+
+/// The threshold of a detector with `configuration` straight ahead and in a turn of 3 m/s^2, or as
+/// much as the range of r allows, at the lowest, middle and highest armed speed.
+pub fn by_cause(configuration: &Configuration) -> Vec<SteadyThreshold> {
+    let armed = configuration.model.range.shrunk(configuration.hysteresis);
+    let middle = 0.5 * (armed.v_x.min + armed.v_x.max);
+    let speeds = [armed.v_x.min, middle, armed.v_x.max];
+    let points = speeds.into_iter().flat_map(|v_x| [0.0, TURN_M_PER_S2].map(|a_y| (v_x, a_y)));
+    points.map(|(v_x, a_y)| steady(configuration, v_x, a_y.min(v_x * armed.r.max))).collect()
+}
+
+fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold {
+    let Configuration { model, gains, evaluation, deviations, .. } = configuration;
+    let observer = Observer::new(*model, *gains);
+    let (x, u) = steady_turn(configuration, v_x, a_y);
+    let n = observer.n(&model.membership([x[0], x[2]]));
+    let j = |w: VehicleState| {
+        let e = (0..STEADY).fold([0.0; 3], |e, _| observer.respond(&n, e, w));
+        evaluation.square([e[0], e[2]]).sqrt()
+    };
+    let Deviations { uncertainty, smallest_fault, .. } = deviations;
+    // The actuator has come to rest.
+    let place = Place { x, u, slowest_behind_rad: 0.0 };
+    let slopes = uncertainty.slopes(&model.vehicle, &place);
+    let uncertainties = slopes
+        .map(|slope| evaluation.uncertainty_share * j(slope.map(|x| model.sampling_period_s * x)));
+    SteadyThreshold {
+        v_x_m_per_s: v_x,
+        lateral_acceleration_m_per_s2: a_y,
+        level: evaluation.threshold,
+        uncertainties,
+        j_th: evaluation.threshold + uncertainties.iter().sum::<f64>(),
+        smallest_fault_j: j(*smallest_fault),
+    }
+}
+
+/// State and input of a steady turn to the left of the linear single-track model at speed `v_x` and
+/// lateral acceleration `a_y`: Rajamani (2012), 3.3.
+fn steady_turn(configuration: &Configuration, v_x: f64, a_y: f64) -> (VehicleState, Input) {
+    let v = &configuration.model.vehicle;
+    let r = a_y / v_x;
+    let wheelbase = v.front_axle_distance_m + v.rear_axle_distance_m;
+    let rear_force = v.mass_kg * a_y * v.front_axle_distance_m / wheelbase;
+    let rear_slip = rear_force / (2.0 * v.rear_cornering_stiffness_n_per_rad);
+    let v_y = v.rear_axle_distance_m * r - v_x * rear_slip;
+    ([v_x, v_y, r], [v.cruise_torque(v_x), steady_angle(v, v_x, a_y)])
+}

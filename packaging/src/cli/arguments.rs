@@ -1,0 +1,271 @@
+//! Command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, value_parser};
+
+use crate::campaign::Shard;
+use crate::campaign::settings::FaultMix;
+use crate::fmu::platform::Platform;
+
+const EXAMPLES: &str = "\
+Without a command: designs the detector for the paper's vehicle, re-checks it, packages it, drives
+the FMU against a reference vehicle with a 0.5 degree steering fault, and prints what was detected.
+
+Examples:
+  steerguard                                     the main job, into steerguard-out/
+  steerguard design my-car.toml -o design.json   gains for your vehicle
+  steerguard verify design.json                  independent proof in exact arithmetic
+  steerguard package design.json                 SteeringFaultDetector.fmu
+  steerguard check SteeringFaultDetector.fmu     what importers may trip over
+  steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
+  steerguard campaign design.json --drives 1000  what the detector is worth on the road
+
+Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
+
+/// Designs, packages and co-simulates a steering-fault detector as an FMI 2.0 unit
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Cli {
+    /// What to do
+    #[command(subcommand)]
+    pub command: Option<Command>,
+
+    /// Folder for the results of the main job
+    #[arg(long, value_name = "DIR", default_value = "steerguard-out")]
+    pub out: PathBuf,
+
+    /// Print the result as JSON
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+/// A subcommand.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Compute the gains and the threshold for a vehicle and specification
+    Design(DesignArguments),
+    /// Prove a design file in exact arithmetic, without the solver
+    Verify(VerifyArguments),
+    /// Package a design as SteeringFaultDetector.fmu
+    Package(PackageArguments),
+    /// Examine an FMU: archive, description, binaries
+    Check(CheckArguments),
+    /// Co-simulate a detector FMU with a plant FMU
+    Simulate(SimulateArguments),
+    /// Drive many random drives: false alarms, detections and delays with confidence intervals
+    Campaign(CampaignArguments),
+}
+
+/// Arguments of `design`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  steerguard design my-car.toml -o design.json")]
+pub struct DesignArguments {
+    /// Specification (TOML); every key left out has the value of the paper's vehicle
+    pub spec: PathBuf,
+    /// Design file to write
+    #[arg(short, long, value_name = "FILE", default_value = "design.json")]
+    pub output: PathBuf,
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  steerguard verify design.json")]
+pub struct VerifyArguments {
+    /// Design file
+    pub design: PathBuf,
+}
+
+/// Arguments of `package`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard package design.json -o SteeringFaultDetector.fmu
+  steerguard package my-car.toml --plant VehiclePlant.fmu
+  steerguard package design.json --system SteeringFaultSystem.ssp
+  steerguard package design.json --runtime win64=SteeringFaultDetector.dll")]
+pub struct PackageArguments {
+    /// Design file (.json), or a specification (.toml) to be designed first
+    pub design: PathBuf,
+    /// FMU to write
+    #[arg(short, long, value_name = "FILE", default_value = "SteeringFaultDetector.fmu")]
+    pub output: PathBuf,
+    /// Write the reference vehicle's FMU as well
+    #[arg(long, value_name = "FILE")]
+    pub plant: Option<PathBuf>,
+    /// Write detector and reference vehicle as a connected system (SSP 1.0) as well
+    #[arg(long, value_name = "FILE")]
+    pub system: Option<PathBuf>,
+    /// Add the detector's unbaked library for a further platform: linux64, win64, darwin64,
+    /// aarch64-linux
+    #[arg(long, value_name = "PLATFORM=FILE", value_parser = runtime)]
+    pub runtime: Vec<(Platform, PathBuf)>,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard check SteeringFaultDetector.fmu
+  steerguard check --json other.fmu")]
+pub struct CheckArguments {
+    /// Any FMI 2.0 FMU; nothing of it is written to disk or run
+    pub fmu: PathBuf,
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard simulate
+  steerguard simulate --print-scenario > drive.toml
+  steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml -o results")]
+pub struct SimulateArguments {
+    /// Detector FMU; without it the paper's vehicle is designed and packaged on the fly
+    #[arg(long, value_name = "FMU")]
+    pub detector: Option<PathBuf>,
+    /// Plant FMU; without it the reference vehicle
+    #[arg(long, value_name = "FMU")]
+    pub plant: Option<PathBuf>,
+    /// What is driven (TOML); without it the scenario of the paper's Fig. 1
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<PathBuf>,
+    /// Folder for CSV files and plot
+    #[arg(short, long, value_name = "DIR", default_value = "steerguard-out")]
+    pub output: PathBuf,
+    /// Print the default scenario file and do nothing else
+    #[arg(long)]
+    pub print_scenario: bool,
+}
+
+/// Arguments of `campaign`.
+#[derive(Debug, Args)]
+#[command(
+    allow_negative_numbers = true,
+    after_help = "Examples:
+  steerguard campaign design.json --drives 1000 --faults none --nominal -o fault-free
+  steerguard campaign design.json --drives 1000 --faults bias --fault-deg 0..2 -o biases
+  steerguard campaign design.json --parameters 10 --bank 3 --gust 10 -o perturbed
+  steerguard campaign design.json --drive 17 > drive-17.csv
+  steerguard campaign design.json --drives 1000 --shard 2/4 -o part-2
+  steerguard campaign design.json --drives 1000 --signals signals.parquet
+
+A campaign that was cut short goes on when the command is given again. Parts driven elsewhere are
+merged by copying their blocks/ into one folder and giving the command without --shard: results are
+the same, byte for byte, as those of one run.
+
+Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on."
+)]
+pub struct CampaignArguments {
+    /// Design file (.json), or a specification (.toml) to be designed first
+    pub design: PathBuf,
+    /// Number of drives
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = value_parser!(u64).range(1..=10_000_000))]
+    pub drives: u64,
+    /// Length of a drive, s
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = between::<5, 3600>)]
+    pub duration: f64,
+    /// Seed: same seed, same drives
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of workers; default: one a processor
+    #[arg(long, value_name = "J", value_parser = jobs)]
+    pub jobs: Option<usize>,
+    /// Faults: none; all kinds and none, equally likely; a bias in every drive
+    #[arg(long, value_enum, default_value = "mixed")]
+    pub faults: FaultMix,
+    /// Sizes of biases, drifts and oscillations, deg at the road wheel; default: up to four times the
+    /// smallest fault of the design
+    #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
+    pub fault_deg: Option<[f64; 2]>,
+    /// The design's own vehicle and actuator with linear tyres on a flat road in still air
+    #[arg(long, conflicts_with_all = ["parameters", "bank", "gust", "actuator_lag", "actuator_delay"])]
+    pub nominal: bool,
+    /// Largest deviation of mass, yaw inertia and cornering stiffnesses, percent; default: the
+    /// intervals of the design's [uncertainty]
+    #[arg(long, value_name = "PERCENT", value_parser = between::<0, 50>)]
+    pub parameters: Option<f64>,
+    /// Largest road bank, deg; default: the design's
+    #[arg(long, value_name = "DEG", value_parser = between::<0, 30>)]
+    pub bank: Option<f64>,
+    /// Fastest gust across the road, m/s; default: the design's
+    #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 50>)]
+    pub gust: Option<f64>,
+    /// Largest lag of the steering actuator beyond the specified one, s; default: the design's
+    #[arg(long, value_name = "S", value_parser = between::<0, 1>)]
+    pub actuator_lag: Option<f64>,
+    /// Longest dead time of the steering actuator beyond the specified one, s; default: the design's
+    #[arg(long, value_name = "S", value_parser = between::<0, 1>)]
+    pub actuator_delay: Option<f64>,
+    /// Standard deviation of the noise on v_x, m/s; default: the design's
+    #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
+    pub v_x_noise: Option<f64>,
+    /// Standard deviation of the noise on r, rad/s; default: the design's
+    #[arg(long, value_name = "RAD_PER_S", value_parser = between::<0, 1>)]
+    pub r_noise: Option<f64>,
+    /// Largest constant error of v_x, m/s; default: the design's
+    #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
+    pub v_x_bias: Option<f64>,
+    /// Largest constant error of r, rad/s; default: the design's
+    #[arg(long, value_name = "RAD_PER_S", value_parser = between::<0, 1>)]
+    pub r_bias: Option<f64>,
+    /// Only drive number INDEX, from 0: its samples as CSV, or with --json its row
+    #[arg(long, value_name = "INDEX", conflicts_with_all = ["shard", "jobs", "output"])]
+    pub drive: Option<u64>,
+    /// Only the K-th of N parts
+    #[arg(long, value_name = "K/N", default_value = "1/1", hide_default_value = true,
+        value_parser = shard)]
+    pub shard: Shard,
+    /// Only make DIR, or find that it is this campaign's, and list the blocks that are missing
+    #[arg(long, conflicts_with = "drive")]
+    pub prepare: bool,
+    /// Only write what the detector was given and what it said to FILE (Parquet), a row a sample
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["drive", "prepare", "output"])]
+    pub signals: Option<PathBuf>,
+    /// Folder of the campaign
+    #[arg(short, long, value_name = "DIR", default_value = "steerguard-campaign")]
+    pub output: PathBuf,
+}
+
+/// A number from MIN to MAX.
+fn between<const MIN: i64, const MAX: i64>(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().map_err(|error| error.to_string())?;
+    let (min, max) = (MIN as f64, MAX as f64);
+    if (min..=max).contains(&value) { Ok(value) } else { Err(format!("not from {MIN} to {MAX}")) }
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(jobs @ 1..=1024) => Ok(jobs),
+        _ => Err("expected a whole number from 1 to 1024".into()),
+    }
+}
+
+fn sizes(text: &str) -> Result<[f64; 2], String> {
+    let (min, max) = text.split_once("..").ok_or("expected MIN..MAX, such as 0.1..2")?;
+    let sizes = [between::<0, 90>(min)?, between::<0, 90>(max)?];
+    if sizes[0] <= sizes[1] { Ok(sizes) } else { Err("MIN is larger than MAX".into()) }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parse = || {
+        let (number, of) = text.split_once('/')?;
+        Some(Shard { number: number.parse().ok()?, of: of.parse().ok()? })
+    };
+    match parse() {
+        Some(shard) if 1 <= shard.number && shard.number <= shard.of => Ok(shard),
+        _ => Err("expected K/N with 1 <= K <= N, such as 2/4".into()),
+    }
+}
+
+fn runtime(text: &str) -> Result<(Platform, PathBuf), String> {
+    let (platform, file) = text.split_once('=').ok_or("expected PLATFORM=FILE")?;
+    Ok((platform.parse()?, PathBuf::from(file)))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn definition_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,242 @@
+//! `steerguard campaign`.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::Serialize;
+use steerguard_designer::Design;
+use steerguard_designer::spec::UncertaintyTable;
+
+use super::{input, package, print, simulate};
+use crate::campaign::folder::Folder;
+use crate::campaign::report::Report;
+use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};
+use crate::campaign::simulation::TestBench;
+use crate::campaign::{self, CampaignError, Manifest, drive::Drive, signals, table::Row};
+use crate::cli::arguments::CampaignArguments;
+use crate::cli::failure::{Exit, Failure};
+use crate::cli::progress::Progress;
+use crate::drive::cosimulation::Run;
+use crate::drive::simulation::csv;
+use crate::fmu::runtime::Runtimes;
+
+/// What the command did.
+#[derive(Serialize)]
+struct Outcome {
+    /// Number of blocks of this part.
+    blocks: u64,
+    /// Blocks of the campaign that are still missing.
+    missing_blocks: Vec<u64>,
+    throughput: Option<Throughput>,
+    files: Vec<PathBuf>,
+    report: Option<Report>,
+}
+
+/// How fast this run was.
+#[derive(Clone, Copy, Serialize)]
+struct Throughput {
+    drives: u64,
+    workers: usize,
+    wall_s: f64,
+    drive_seconds_per_second_per_worker: f64,
+}
+
+pub(super) fn run(arguments: &CampaignArguments, json: bool) -> Result<Exit, Failure> {
+    let design = input::design(&arguments.design, &Progress::new())?;
+    let settings = settings(arguments, &design);
+    if let Some(index) = arguments.drive
+        && index >= settings.drives
+    {
+        return Err(Failure::bad(format!("there is no drive {index} in {}", settings.drives))
+            .help("drives are numbered from 0; --drives N says how many there are"));
+    }
+    let (bench, manifest) = bench(&design, settings)?;
+    match (arguments.drive, &arguments.signals) {
+        (Some(index), _) => drive_one(&bench, &manifest.settings, index, json),
+        (_, Some(path)) => write_signals(arguments, &bench, &manifest, path, json),
+        _ => drive_part(arguments, &bench, &manifest, json),
+    }
+}
+
+/// The settings that the arguments and the design ask for.
+fn settings(arguments: &CampaignArguments, design: &Design) -> Settings {
+    let described = Sensors::of(&design.spec);
+    let largest_deg = 4.0 * Subject::of(design).smallest_fault_deg;
+    Settings {
+        seed: arguments.seed,
+        drives: arguments.drives,
+        duration_s: arguments.duration,
+        faults: arguments.faults,
+        fault_deg: arguments.fault_deg.unwrap_or([0.0, largest_deg]),
+        uncertainty: if arguments.nominal {
+            Uncertainty::NOMINAL
+        } else {
+            Uncertainty { bounds: bounds(arguments, &design.spec.uncertainty), saturation: true }
+        },
+        sensors: Sensors {
+            v_x_noise_m_per_s: arguments.v_x_noise.unwrap_or(described.v_x_noise_m_per_s),
+            r_noise_rad_per_s: arguments.r_noise.unwrap_or(described.r_noise_rad_per_s),
+            v_x_bias_m_per_s: arguments.v_x_bias.unwrap_or(described.v_x_bias_m_per_s),
+            r_bias_rad_per_s: arguments.r_bias.unwrap_or(described.r_bias_rad_per_s),
+        },
+    }
+}
+
+/// Those of the design, but for what the arguments set.
+fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> UncertaintyTable {
+    let mut bounds = *described;
+    if let Some(percent) = arguments.parameters {
+        for interval in [
+            &mut bounds.mass_percent,
+            &mut bounds.yaw_inertia_percent,
+            &mut bounds.front_cornering_stiffness_percent,
+            &mut bounds.rear_cornering_stiffness_percent,
+        ] {
+            *interval = [-percent, percent];
+        }
+    }
+    bounds.bank_deg = arguments.bank.unwrap_or(bounds.bank_deg);
+    bounds.actuator_lag_s = arguments.actuator_lag.unwrap_or(bounds.actuator_lag_s);
+    bounds.actuator_delay_s = arguments.actuator_delay.unwrap_or(bounds.actuator_delay_s);
+    bounds.gust_m_per_s = arguments.gust.unwrap_or(bounds.gust_m_per_s);
+    bounds
+}
+
+/// Packages both FMUs and loads them.
+fn bench(design: &Design, settings: Settings) -> Result<(TestBench, Manifest), Failure> {
+    let folder = tempfile::tempdir()
+        .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
+    let detector = folder.path().join("SteeringFaultDetector.fmu");
+    let plant = folder.path().join("VehiclePlant.fmu");
+    package::detector(design, &Runtimes::detector(), &detector)?;
+    package::plant(&plant)?;
+    let read = |path| std::fs::read(path).map_err(Failure::bad);
+    let manifest = Manifest::new(settings, design.hash.clone(), &read(&detector)?, &read(&plant)?);
+    let bench = TestBench {
+        detector: simulate::open(&detector)?,
+        plant: simulate::open(&plant)?,
+        subject: Subject::of(design),
+    };
+    Ok((bench, manifest))
+}
+
+/// Prints one drive: its samples as CSV, or its row as JSON.
+fn drive_one(
+    bench: &TestBench,
+    settings: &Settings,
+    index: u64,
+    json: bool,
+) -> Result<Exit, Failure> {
+    let drive = Drive::draw(settings, &bench.subject, index);
+    let mut samples = Vec::new();
+    let outcome = bench.run(&drive, |sample| samples.push(*sample)).map_err(Failure::bad)?;
+    let run =
+        Run { initial_speed_m_per_s: drive.speed_m_per_s, step_s: bench.subject.period_s, samples };
+    let text = String::from_utf8(csv(&run).map_err(Failure::bad)?).map_err(Failure::bad)?;
+    print(json, &Row { drive, outcome }, &text)?;
+    Ok(Exit::Done)
+}
+
+/// Drives a part and writes nothing but its signals.
+fn write_signals(
+    arguments: &CampaignArguments,
+    bench: &TestBench,
+    manifest: &Manifest,
+    path: &Path,
+    json: bool,
+) -> Result<Exit, Failure> {
+    let drives = arguments.shard.drives(manifest.settings.drives);
+    let (progress, jobs) = (Progress::bar(drives.end - drives.start), workers(arguments));
+    let advance = |drives| progress.advance(drives);
+    signals::write(bench, manifest, drives, jobs, path, advance)?;
+    drop(progress);
+    let files = [path];
+    print(json, &serde_json::json!({ "files": files }), &format!("  {}\n", path.display()))?;
+    Ok(Exit::Done)
+}
+
+/// Drives what is missing of a part, and merges if that completes the campaign.
+fn drive_part(
+    arguments: &CampaignArguments,
+    bench: &TestBench,
+    manifest: &Manifest,
+    json: bool,
+) -> Result<Exit, Failure> {
+    let folder = Folder::open(&arguments.output, manifest.settings.drives, manifest)?;
+    let part = arguments.shard.blocks(folder.blocks());
+    let mut outcome = Outcome {
+        blocks: part.end - part.start,
+        missing_blocks: Vec::new(),
+        throughput: None,
+        files: Vec::new(),
+        report: None,
+    };
+    if !arguments.prepare {
+        let missing = folder.missing(part)?;
+        outcome.throughput =
+            drive(bench, &manifest.settings, &folder, &missing, workers(arguments))?;
+        if let Some(rows) = folder.rows()? {
+            let report = Report::of(&rows, bench.subject.armed_v_x);
+            outcome.files = folder.write_results(&rows, &report)?.into();
+            outcome.report = Some(report);
+        }
+    }
+    if outcome.report.is_none() {
+        outcome.missing_blocks = folder.missing(0..folder.blocks())?;
+    }
+    print(json, &outcome, &text(&outcome))?;
+    Ok(Exit::Done)
+}
+
+/// Number of workers.
+fn workers(arguments: &CampaignArguments) -> usize {
+    let available = || std::thread::available_parallelism().map_or(1, usize::from);
+    arguments.jobs.unwrap_or_else(available)
+}
+
+/// Drives `blocks`.
+fn drive(
+    bench: &TestBench,
+    settings: &Settings,
+    folder: &Folder,
+    blocks: &[u64],
+    workers: usize,
+) -> Result<Option<Throughput>, CampaignError> {
+    if blocks.is_empty() {
+        return Ok(None);
+    }
+    let drives = blocks.iter().map(|&block| folder.drives_of(block)).map(|d| d.end - d.start).sum();
+    let progress = Progress::bar(drives);
+    let begin = Instant::now();
+    campaign::run(bench, settings, folder, blocks, workers, |drives| progress.advance(drives))?;
+    let wall_s = begin.elapsed().as_secs_f64();
+    let drive_s = drives as f64 * settings.duration_s;
+    Ok(Some(Throughput {
+        drives,
+        workers,
+        wall_s,
+        drive_seconds_per_second_per_worker: drive_s / wall_s / workers as f64,
+    }))
+}
+
+/// The outcome for people.
+fn text(outcome: &Outcome) -> String {
+    let mut text = match &outcome.report {
+        Some(report) => report.text() + "\n",
+        None => format!(
+            "{} blocks of the campaign missing: run the other parts here, or copy their blocks/ here \
+             and run the command once more\n",
+            outcome.missing_blocks.len()
+        ),
+    };
+    if let Some(t) = &outcome.throughput {
+        text += &format!(
+            "{} drives in {:.1} s, {} workers: {:.0} drive-seconds per second per worker\n",
+            t.drives, t.wall_s, t.workers, t.drive_seconds_per_second_per_worker
+        );
+    }
+    for file in &outcome.files {
+        text += &format!("  {}\n", file.display());
+    }
+    text
+}

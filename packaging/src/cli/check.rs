@@ -1,0 +1,71 @@
+//! `steerguard check`.
+
+use std::fs::File;
+use std::path::Path;
+
+use serde::Serialize;
+use steerguard_model_description::xml::{Finding, Level};
+
+use super::print;
+use crate::check::check;
+use crate::cli::arguments::CheckArguments;
+use crate::cli::failure::{Exit, Failure};
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    file: &'a Path,
+    errors: usize,
+    warnings: usize,
+    notes: usize,
+    findings: Vec<Item<'a>>,
+}
+
+/// A finding, for machines.
+#[derive(Serialize)]
+struct Item<'a> {
+    level: &'static str,
+    code: &'static str,
+    message: &'a str,
+    location: &'a str,
+    help: &'a str,
+}
+
+impl<'a> From<&'a Finding> for Item<'a> {
+    fn from(finding: &'a Finding) -> Self {
+        let Finding { level, code, message, location, help } = finding;
+        Self { level: level.name(), code, message, location, help }
+    }
+}
+
+pub(super) fn run(arguments: &CheckArguments, json: bool) -> Result<Exit, Failure> {
+    let path = &arguments.fmu;
+    let name = path.display().to_string();
+    let findings = File::open(path).and_then(|file| check(file, &name)).map_err(|error| {
+        Failure::bad(format!("cannot read `{name}`: {error}")).help("name an FMU file")
+    })?;
+    let count = |level| findings.iter().filter(|finding| finding.level == level).count();
+    let outcome = Outcome {
+        file: path,
+        errors: count(Level::Error),
+        warnings: count(Level::Warning),
+        notes: count(Level::Note),
+        findings: findings.iter().map(Item::from).collect(),
+    };
+    print(json, &outcome, &text(&outcome, &findings))?;
+    Ok(if outcome.errors == 0 { Exit::Done } else { Exit::No })
+}
+
+fn text(outcome: &Outcome<'_>, findings: &[Finding]) -> String {
+    let mut text: String = findings.iter().map(|finding| format!("{finding}\n\n")).collect();
+    let counts =
+        [(outcome.errors, "error"), (outcome.warnings, "warning"), (outcome.notes, "note")];
+    let counts: Vec<String> = counts
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, word)| format!("{count} {word}{}", if count == 1 { "" } else { "s" }))
+        .collect();
+    let counts = if counts.is_empty() { "no findings".to_owned() } else { counts.join(", ") };
+    text += &format!("{}: {counts}\n", outcome.file.display());
+    // What an FMU says must not reach the terminal as a control sequence.
+    text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
+}

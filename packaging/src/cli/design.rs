@@ -1,0 +1,50 @@
+//! `steerguard design`.
+
+use serde::Serialize;
+use std::path::Path;
+use steerguard_designer::{Design, DesignStatus};
+
+use super::{input, print};
+use crate::cli::arguments::DesignArguments;
+use crate::cli::design_summary::DesignSummary;
+use crate::cli::failure::{Exit, Failure};
+use crate::cli::output;
+use crate::cli::progress::Progress;
+
+#[derive(Serialize)]
+struct Outcome<'a> {
+    design: DesignSummary,
+    file: &'a Path,
+}
+
+pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failure> {
+    let spec = input::spec(&arguments.spec)?;
+    let design = {
+        let progress = Progress::new();
+        input::make(&spec, &progress).map_err(|failure| failure.at(arguments.spec.display()))?
+    };
+    write(&design, &arguments.output)?;
+    let outcome = Outcome { design: DesignSummary::of(&design), file: &arguments.output };
+    let file = arguments.output.display();
+    let exit = exit(&design);
+    let missed = match exit {
+        Exit::No => format!("`steerguard verify {file}` names the inequality that is missed.\n"),
+        _ => String::new(),
+    };
+    print(json, &outcome, &format!("Design\n{}\n  {file}\n{missed}", outcome.design.text(None)))?;
+    Ok(exit)
+}
+
+/// Writes the design file.
+pub(super) fn write(design: &Design, path: &Path) -> Result<(), Failure> {
+    let text = design.to_json().map_err(Failure::bad)?;
+    Ok(output::write(path, text.as_bytes())?)
+}
+
+/// Only a certified design is a yes.
+pub(super) fn exit(design: &Design) -> Exit {
+    match design.synthesis.status {
+        DesignStatus::Certified => Exit::Done,
+        DesignStatus::Uncertified | DesignStatus::AlmostSolved => Exit::No,
+    }
+}

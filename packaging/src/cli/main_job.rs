@@ -1,0 +1,80 @@
+//! The main job: from the paper's vehicle to a detected fault.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use steerguard_designer::Spec;
+
+use super::package::Packaged;
+use super::{design, input, package, print, simulate, verify};
+use crate::cli::design_summary::DesignSummary;
+use crate::cli::detection_table::detection_table;
+use crate::cli::failure::{Exit, Failure};
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::drive::detection::Detection;
+use crate::drive::scenario::Scenario;
+use crate::drive::simulation::Files;
+use crate::fmu::runtime::Runtimes;
+
+#[derive(Serialize)]
+struct Outcome {
+    design: DesignSummary,
+    proof: verify::Proof,
+    detections: Vec<Detection>,
+    files: Results,
+}
+
+#[derive(Serialize)]
+struct Results {
+    design: PathBuf,
+    fmus: Vec<Packaged>,
+    #[serde(flatten)]
+    simulation: Files,
+}
+
+pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
+    output::create_folder(folder)?;
+    let progress = Progress::new();
+    let designed = input::make(&Spec::default(), &progress)?;
+    let design_file = folder.join("design.json");
+    design::write(&designed, &design_file)?;
+
+    progress.say("proving the design file");
+    let proof = verify::Proof::of(&steerguard_verify::verify(&input::text(&design_file)?));
+    progress.say("packaging");
+    let detector_file = folder.join("SteeringFaultDetector.fmu");
+    let plant_file = folder.join("VehiclePlant.fmu");
+    let fmus = vec![
+        package::detector(&designed, &Runtimes::detector(), &detector_file)?,
+        package::plant(&plant_file)?,
+    ];
+    let (detector, plant) = (simulate::open(&detector_file)?, simulate::open(&plant_file)?);
+    let simulation = simulate::simulate(&detector, &plant, &Scenario::default(), &progress)?;
+    let files = simulate::write(&simulation, folder)?;
+    drop(progress);
+
+    let right = proof.holds && simulation.detections().all(Detection::is_right);
+    let outcome = Outcome {
+        design: DesignSummary::of(&designed),
+        proof,
+        detections: simulation.detections().cloned().collect(),
+        files: Results { design: design_file, fmus, simulation: files },
+    };
+    print(json, &outcome, &text(&outcome))?;
+    Ok(if right { Exit::Done } else { Exit::No })
+}
+
+fn text(outcome: &Outcome) -> String {
+    let Outcome { design, proof, detections, files } = outcome;
+    format!(
+        "Design: the paper's vehicle\n{}\n\
+         Detection: steering fault of 0.5 deg, under side wind, over 20 s\n{}\n\
+         Files\n{}  {}\n{}",
+        design.text(Some(&proof.text())),
+        detection_table(detections.iter()),
+        package::listed(&files.fmus, "  "),
+        files.design.display(),
+        simulate::listed(&files.simulation),
+    )
+}

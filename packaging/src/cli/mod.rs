@@ -1,0 +1,56 @@
+//! The command: its arguments, its subcommands, and what they print.
+
+pub mod arguments;
+mod campaign;
+mod check;
+mod design;
+pub mod design_summary;
+mod detection_table;
+pub mod failure;
+mod input;
+mod main_job;
+pub mod output;
+mod package;
+pub mod progress;
+mod simulate;
+pub mod table;
+mod verify;
+
+use serde::Serialize;
+
+use crate::cli::arguments::{Cli, Command};
+use crate::cli::failure::{Exit, Failure};
+
+/// Runs what the command line asks for.
+///
+/// # Errors
+/// [`Failure`], which the caller reports.
+pub fn run(cli: &Cli) -> Result<Exit, Failure> {
+    match &cli.command {
+        None => main_job::run(&cli.out, cli.json),
+        Some(Command::Design(arguments)) => design::run(arguments, cli.json),
+        Some(Command::Verify(arguments)) => verify::run(arguments, cli.json),
+        Some(Command::Package(arguments)) => package::run(arguments, cli.json),
+        Some(Command::Check(arguments)) => check::run(arguments, cli.json),
+        Some(Command::Simulate(arguments)) => simulate::run(arguments, cli.json),
+        Some(Command::Campaign(arguments)) => campaign::run(arguments, cli.json),
+    }
+}
+
+/// Prints a result: the text for people, or the value as JSON.
+fn print(json: bool, value: &impl Serialize, text: &str) -> Result<(), Failure> {
+    use std::io::Write as _;
+    let text = if json {
+        serde_json::to_string_pretty(value).map_err(Failure::bad)? + "\n"
+    } else {
+        text.to_owned()
+    };
+    let written = std::io::stdout().lock().write_all(text.as_bytes());
+    match written {
+        // Whoever closed the pipe has read enough.
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::bad(format!("cannot write the result: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,105 @@
+//! `steerguard simulate`.
+
+use std::path::Path;
+
+use serde::Serialize;
+use steerguard_designer::Spec;
+
+use super::{input, package, print};
+use crate::cli::arguments::SimulateArguments;
+use crate::cli::detection_table::detection_table;
+use crate::cli::failure::{Exit, Failure};
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::drive::detection::Detection;
+use crate::drive::scenario::Scenario;
+use crate::drive::simulation::{Files, Simulation, SimulationError};
+use crate::fmu::runtime::Runtimes;
+use crate::importer::Fmu;
+
+#[derive(Serialize)]
+struct Outcome {
+    detections: Vec<Detection>,
+    files: Files,
+}
+
+pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Failure> {
+    if arguments.print_scenario {
+        let scenario = Scenario::default();
+        print(json, &scenario, &toml::to_string(&scenario).map_err(Failure::bad)?)?;
+        return Ok(Exit::Done);
+    }
+    let scenario = match &arguments.scenario {
+        None => Scenario::default(),
+        Some(path) => {
+            Scenario::read(path).map_err(|error| Failure::from(error).at(path.display()))?
+        }
+    };
+    let progress = Progress::new();
+    let folder = tempfile::tempdir()
+        .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
+    let detector = match &arguments.detector {
+        Some(path) => open(path)?,
+        None => {
+            let path = folder.path().join("SteeringFaultDetector.fmu");
+            let design = input::make(&Spec::default(), &progress)?;
+            package::detector(&design, &Runtimes::detector(), &path)?;
+            open(&path)?
+        }
+    };
+    let plant = match &arguments.plant {
+        Some(path) => open(path)?,
+        None => {
+            let path = folder.path().join("VehiclePlant.fmu");
+            package::plant(&path)?;
+            open(&path)?
+        }
+    };
+    output::create_folder(&arguments.output)?;
+    let simulation = simulate(&detector, &plant, &scenario, &progress)?;
+    let files = write(&simulation, &arguments.output)?;
+    drop(progress);
+
+    let text =
+        format!("Detection\n{}\n{}", detection_table(simulation.detections()), listed(&files));
+    let detections = simulation.detections().cloned().collect();
+    print(json, &Outcome { detections, files }, &text)?;
+    Ok(Exit::Done)
+}
+
+/// Opens an FMU.
+pub(super) fn open(path: &Path) -> Result<Fmu, Failure> {
+    Fmu::open(path).map_err(|error| {
+        Failure::bad(error)
+            .help("name an FMI 2.0 Co-Simulation FMU with a library for this machine")
+    })
+}
+
+/// Drives all runs.
+pub(super) fn simulate(
+    detector: &Fmu,
+    plant: &Fmu,
+    scenario: &Scenario,
+    progress: &Progress,
+) -> Result<Simulation, Failure> {
+    let say = |speed| progress.say(format!("driving at {speed} m/s"));
+    Simulation::run(detector, plant, scenario, say).map_err(failure)
+}
+
+/// Writes CSV files and plot.
+pub(super) fn write(simulation: &Simulation, folder: &Path) -> Result<Files, Failure> {
+    simulation.write(folder).map_err(failure)
+}
+
+fn failure(error: SimulationError) -> Failure {
+    match error {
+        SimulationError::Output(error) => error.into(),
+        other => Failure::bad(other),
+    }
+}
+
+/// The files, one a line.
+pub(super) fn listed(files: &Files) -> String {
+    let files = files.csv.iter().chain([&files.plot]);
+    files.map(|file| format!("  {}\n", file.display())).collect()
+}

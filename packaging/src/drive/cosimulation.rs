@@ -1,0 +1,376 @@
+//! Co-simulation of a detector FMU with a plant FMU.
+//!
+//! # Conventions
+//! - Jacobi master: at communication point `t_k = k h` both FMUs get their inputs, then both step
+//!   over h. The detector is given what the plant measures at t_k and the u_k that acts on the plant
+//!   from then on, so what it puts out after the step belongs to sample k, time t_k.
+//! - The plant takes the vehicle that the detector was designed for: every `vehicle.*`, by name, and
+//!   every `design.actuator.*` as `actuator.*`.
+
+use serde::{Serialize, Serializer};
+use steerguard_detector::Actuator;
+
+use crate::drive::scenario::{Scenario, ScenarioError, SensorNoise};
+use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
+
+/// Why a co-simulation ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum CosimulationError {
+    /// An FMU lacks a variable, or has none where it is looked for.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// An FMU refused a call or failed.
+    #[error(transparent)]
+    Call(#[from] CallError),
+    /// The scenario does not fit the communication step.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Neither scenario nor detector says how long a communication step is.
+    #[error("the detector proposes no communication step and the scenario gives none")]
+    NoStep,
+}
+
+/// Sample k of a run: the columns of its CSV file, named as the FMU variables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Sample {
+    /// t_k, s.
+    pub time: f64,
+    /// Measured longitudinal speed, m/s.
+    pub v_x: f64,
+    /// Measured yaw rate, rad/s.
+    pub r: f64,
+    /// Drive torque, N m.
+    #[serde(rename = "u.T_eng")]
+    pub drive_torque: f64,
+    /// Commanded road-wheel angle, rad.
+    #[serde(rename = "u.delta")]
+    pub steering_angle: f64,
+    /// Angle added by the faulty actuator, rad.
+    pub fault: f64,
+    /// Side force, N.
+    #[serde(rename = "disturbance.side_force")]
+    pub side_force: f64,
+    /// Yaw moment, N m.
+    #[serde(rename = "disturbance.yaw_moment")]
+    pub yaw_moment: f64,
+    /// Lateral speed, m/s.
+    #[serde(rename = "true.v_y")]
+    pub lateral_speed: f64,
+    /// Residual of the longitudinal speed, m/s.
+    #[serde(rename = "residual.v_x")]
+    pub residual_v_x: f64,
+    /// Residual of the yaw rate, rad/s.
+    #[serde(rename = "residual.r")]
+    pub residual_r: f64,
+    /// Windowed RMS of the weighted residual.
+    #[serde(rename = "J_rms")]
+    pub j_rms: f64,
+    /// Threshold.
+    #[serde(rename = "J_th")]
+    pub j_th: f64,
+    /// Estimated lateral speed, m/s.
+    pub v_y_hat: f64,
+    /// Whether a fault is detected; 0 or 1 in the file.
+    #[serde(serialize_with = "as_digit")]
+    pub alarm: bool,
+    /// Whether the smallest fault of interest could be seen; 0 or 1 in the file.
+    #[serde(serialize_with = "as_digit")]
+    pub excited: bool,
+    /// Item of the enumeration `DetectorState`.
+    pub state: i32,
+}
+
+fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u8(u8::from(*value))
+}
+
+/// One run of a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// v_x(0), m/s.
+    pub initial_speed_m_per_s: f64,
+    /// Communication step, s.
+    pub step_s: f64,
+    /// Samples 0, 1, ... before the end of the run.
+    pub samples: Vec<Sample>,
+}
+
+/// Drives both FMUs through the run of `scenario` with the given initial speed.
+///
+/// # Errors
+/// [`CosimulationError`] at the first call that an FMU refuses.
+pub fn run(
+    detector: &Fmu,
+    plant: &Fmu,
+    scenario: &Scenario,
+    initial_speed_m_per_s: f64,
+) -> Result<Run, CosimulationError> {
+    let step_s = scenario
+        .communication_step_s
+        .or(detector.step_size_s())
+        .ok_or(CosimulationError::NoStep)?;
+    let steps = scenario.steps(step_s)?;
+    let mut rig = Rig::new(detector, plant)?;
+    let [mass_kg, drag] = rig.detector.get_real(detector.reals(["vehicle.M_v", "vehicle.C_x"])?)?;
+    let cruise_torque_n_m = drag * initial_speed_m_per_s * initial_speed_m_per_s;
+    let excitation = |time_s| {
+        let v = initial_speed_m_per_s;
+        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
+        Excitation {
+            drive_torque: cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
+            steering_angle: scenario.steering_angle_rad.at(time_s, v),
+            fault: scenario.steering_fault_rad(time_s, v),
+            side_force,
+            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
+            sensor_bias: [0.0; 2],
+        }
+    };
+    let initial_state = [
+        initial_speed_m_per_s,
+        scenario.initial_lateral_speed_m_per_s,
+        scenario.initial_yaw_rate_rad_per_s,
+    ];
+    rig.plant.set_real(plant.reals(["initial.v_x", "initial.v_y", "initial.r"])?, initial_state)?;
+    if let Some(actuator) = scenario.actuator {
+        rig.set_actuator(plant, &actuator.actuator())?;
+    }
+    let noise = &scenario.sensor_noise;
+    if [noise.v_x_std_m_per_s, noise.r_std_rad_per_s] != [0.0, 0.0] {
+        rig.set_noise(plant, noise, detector.step_size_s().unwrap_or(step_s))?;
+    }
+    rig.initialise(scenario.duration_s, &excitation(0.0))?;
+    let samples = (0..steps)
+        .map(|k| {
+            let time_s = f64::from(k) * step_s;
+            rig.step(time_s, step_s, |_| excitation(time_s))
+        })
+        .collect::<Result<_, _>>()?;
+    rig.terminate()?;
+    Ok(Run { initial_speed_m_per_s, step_s, samples })
+}
+
+/// What acts from a communication point to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Excitation {
+    /// Drive torque, N m.
+    pub drive_torque: f64,
+    /// Commanded road-wheel angle, rad.
+    pub steering_angle: f64,
+    /// Angle added by the faulty actuator, rad.
+    pub fault: f64,
+    /// Side force, N.
+    pub side_force: f64,
+    /// Yaw moment, N m.
+    pub yaw_moment: f64,
+    /// Added to what the plant measures: [v_x, r] in m/s, rad/s.
+    pub sensor_bias: [f64; 2],
+}
+
+/// An instance of either FMU, connected.
+pub struct Rig {
+    /// The detector.
+    pub detector: Instance,
+    /// The plant; its parameters may be set before [`Rig::initialise`].
+    pub plant: Instance,
+    ports: Ports,
+}
+
+/// Value references of what is exchanged and recorded.
+struct Ports {
+    plant_inputs: [u32; 5],
+    plant_outputs: [u32; 3],
+    detector_inputs: [u32; 4],
+    detector_outputs: [u32; 5],
+    alarm_and_excited: [u32; 2],
+    state: u32,
+}
+
+impl Ports {
+    fn find(detector: &Fmu, plant: &Fmu) -> Result<Self, ImportError> {
+        Ok(Self {
+            plant_inputs: plant.reals([
+                "u.T_eng",
+                "u.delta",
+                "fault",
+                "disturbance.side_force",
+                "disturbance.yaw_moment",
+            ])?,
+            plant_outputs: plant.reals(["v_x", "r", "true.v_y"])?,
+            detector_inputs: detector.reals(["v_x", "r", "u.T_eng", "u.delta"])?,
+            detector_outputs: detector.reals([
+                "residual.v_x",
+                "residual.r",
+                "J_rms",
+                "J_th",
+                "v_y_hat",
+            ])?,
+            alarm_and_excited: [
+                detector.variable("alarm", Type::Boolean)?,
+                detector.variable("excited", Type::Boolean)?,
+            ],
+            state: detector.variable("state", Type::Enumeration)?,
+        })
+    }
+}
+
+/// What the plant calls the detector's constant `name`, where the plant has it as a parameter.
+pub fn name_in_plant(name: &str) -> Option<&str> {
+    let of_plant = name.strip_prefix("design.").unwrap_or(name);
+    let shared = ["vehicle.", "actuator."];
+    shared.iter().any(|prefix| of_plant.starts_with(prefix)).then_some(of_plant)
+}
+
+impl Rig {
+    /// Instantiates both; the plant gets the detector's vehicle and actuator.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a variable is missing or an FMU refuses.
+    pub fn new(detector_fmu: &Fmu, plant_fmu: &Fmu) -> Result<Self, CosimulationError> {
+        let ports = Ports::find(detector_fmu, plant_fmu)?;
+        let detector = detector_fmu.instantiate("detector")?;
+        let mut plant = plant_fmu.instantiate("plant")?;
+        for name in detector_fmu.names() {
+            let Some(of_plant) = name_in_plant(name) else { continue };
+            let value = detector.get_real(detector_fmu.reals([name])?)?;
+            plant.set_real(plant_fmu.reals([of_plant])?, value)?;
+        }
+        Ok(Self { detector, plant, ports })
+    }
+
+    /// Gives the plant another actuator than the design's.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a parameter is missing or refused.
+    pub fn set_actuator(
+        &mut self,
+        plant_fmu: &Fmu,
+        actuator: &Actuator,
+    ) -> Result<(), CosimulationError> {
+        let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = *actuator;
+        Ok(self.plant.set_real(
+            plant_fmu.reals(["actuator.lag", "actuator.delay", "actuator.rate_limit"])?,
+            [lag_s, delay_s, rate_limit_rad_per_s.unwrap_or(0.0)],
+        )?)
+    }
+
+    /// Gives the plant's sensors white noise, a new value each `period_s`.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a parameter is missing or refused.
+    pub fn set_noise(
+        &mut self,
+        plant_fmu: &Fmu,
+        noise: &SensorNoise,
+        period_s: f64,
+    ) -> Result<(), CosimulationError> {
+        self.plant.set_real(
+            plant_fmu.reals(["noise.v_x", "noise.r", "noise.sample_period"])?,
+            [noise.v_x_std_m_per_s, noise.r_std_rad_per_s, period_s],
+        )?;
+        let seed = plant_fmu.variable("noise.seed", Type::Integer)?;
+        Ok(self.plant.set_integer([seed], [noise.seed])?)
+    }
+
+    /// Initialises both for a run of `stop_time_s`; `excitation` is that of time 0.
+    ///
+    /// # Errors
+    /// [`CosimulationError::Call`].
+    pub fn initialise(
+        &mut self,
+        stop_time_s: f64,
+        excitation: &Excitation,
+    ) -> Result<(), CosimulationError> {
+        self.plant.setup_experiment(stop_time_s)?;
+        self.plant.enter_initialization_mode()?;
+        self.excite_plant(excitation)?;
+        self.plant.exit_initialization_mode()?;
+
+        self.detector.setup_experiment(stop_time_s)?;
+        self.detector.enter_initialization_mode()?;
+        let [v_x, r, _] = self.measure()?;
+        self.excite_detector([v_x, r], excitation)?;
+        self.detector.exit_initialization_mode()?;
+        Ok(())
+    }
+
+    /// One communication step from `time_s` on; `excite` is told [v_x, r] as the plant gives it.
+    ///
+    /// # Errors
+    /// [`CosimulationError::Call`].
+    pub fn step(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        excite: impl FnOnce([f64; 2]) -> Excitation,
+    ) -> Result<Sample, CosimulationError> {
+        let [v_x, r, lateral_speed] = self.measure()?;
+        let excitation = excite([v_x, r]);
+        let [v_x, r] = self.excite_detector([v_x, r], &excitation)?;
+        self.excite_plant(&excitation)?;
+        self.detector.do_step(time_s, step_s)?;
+        self.plant.do_step(time_s, step_s)?;
+
+        let [residual_v_x, residual_r, j_rms, j_th, v_y_hat] =
+            self.detector.get_real(self.ports.detector_outputs)?;
+        let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
+        let [state] = self.detector.get_integer([self.ports.state])?;
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
+            excitation;
+        Ok(Sample {
+            time: time_s,
+            v_x,
+            r,
+            drive_torque,
+            steering_angle,
+            fault,
+            side_force,
+            yaw_moment,
+            lateral_speed,
+            residual_v_x,
+            residual_r,
+            j_rms,
+            j_th,
+            v_y_hat,
+            alarm: alarm != 0,
+            excited: excited != 0,
+            state,
+        })
+    }
+
+    /// Terminates both.
+    ///
+    /// # Errors
+    /// [`CosimulationError::Call`].
+    pub fn terminate(&mut self) -> Result<(), CosimulationError> {
+        self.detector.terminate()?;
+        Ok(self.plant.terminate()?)
+    }
+
+    fn measure(&self) -> Result<[f64; 3], CallError> {
+        self.plant.get_real(self.ports.plant_outputs)
+    }
+
+    /// Passes u and what the sensors say of [v_x, r] to the detector, and returns the latter.
+    fn excite_detector(
+        &mut self,
+        [v_x, r]: [f64; 2],
+        excitation: &Excitation,
+    ) -> Result<[f64; 2], CallError> {
+        let [v_x_bias, r_bias] = excitation.sensor_bias;
+        let measured = [v_x + v_x_bias, r + r_bias];
+        self.detector.set_real(
+            self.ports.detector_inputs,
+            [measured[0], measured[1], excitation.drive_torque, excitation.steering_angle],
+        )?;
+        Ok(measured)
+    }
+
+    fn excite_plant(&mut self, excitation: &Excitation) -> Result<(), CallError> {
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
+            *excitation;
+        self.plant.set_real(
+            self.ports.plant_inputs,
+            [drive_torque, steering_angle, fault, side_force, yaw_moment],
+        )
+    }
+}

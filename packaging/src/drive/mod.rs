@@ -1,0 +1,6 @@
+//! Drives through packaged FMUs: scenarios, their co-simulation, and what was detected.
+
+pub mod cosimulation;
+pub mod detection;
+pub mod scenario;
+pub mod simulation;

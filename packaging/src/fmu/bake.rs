@@ -1,0 +1,51 @@
+//! Writing a design into the shared library of an FMU: data into a reserved section, no compiler.
+
+use object::{Object as _, ObjectSection as _};
+use steerguard_fmi2::{SealError, baked};
+
+use crate::fmu::platform::Platform;
+
+/// A library that a design cannot be baked into.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The file is no object file.
+    #[error("not a shared library: {0}")]
+    NotALibrary(#[from] object::read::Error),
+    /// The library is for another platform.
+    #[error("not a shared library for {}", .0.folder())]
+    Platform(Platform),
+    /// The library is none of ours.
+    #[error("no section `{0}` to bake a design into: not a steerguard runtime")]
+    NoSection(&'static str),
+    /// The section does not take the design.
+    #[error(transparent)]
+    Seal(#[from] SealError),
+}
+
+/// Bakes GUID and payload into `library`, a file for `platform`.
+///
+/// # Errors
+/// [`BakeError`], with `library` unchanged.
+pub fn bake(
+    library: &mut [u8],
+    platform: Platform,
+    guid: &str,
+    payload: &[u8],
+) -> Result<(), BakeError> {
+    let name = match platform {
+        Platform::Linux64 | Platform::LinuxAarch64 => baked::SECTION_ELF,
+        Platform::Win64 => baked::SECTION_PE,
+        Platform::Darwin64 => baked::SECTION_MACH_O,
+    };
+    let file = object::File::parse(&*library)?;
+    if !platform.accepts(&file) {
+        return Err(BakeError::Platform(platform));
+    }
+    let range = file.section_by_name(name).and_then(|section| section.file_range());
+    let (offset, size) = range.ok_or(BakeError::NoSection(name))?;
+    let section = usize::try_from(offset)
+        .ok()
+        .zip(usize::try_from(size).ok())
+        .and_then(|(offset, size)| library.get_mut(offset..offset.checked_add(size)?));
+    Ok(baked::seal(section.ok_or(BakeError::NoSection(name))?, guid, payload)?)
+}

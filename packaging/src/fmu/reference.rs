@@ -1,0 +1,194 @@
+//! Reference results inside the FMUs: inputs for an importer to apply, and the outputs it has to get.
+//!
+//! # Conventions
+//! - `extra/<model>_in.csv` and `extra/<model>_ref.csv`, the names and form of the FMI cross-check:
+//!   a column `time` in s, then one for each input, or output, under its name and in its unit.
+//! - Row k is at the communication point `k T`. Inputs are those to set there, constant until the
+//!   next; outputs are those found there, before the inputs are set. All parameters have their
+//!   start values.
+//! - What is driven is the scenario of the paper's Fig. 1, up to 10 s, with the fault from 5 s on.
+//! - Computed with the models in this command, not with the libraries; only `+ - * /`, square roots
+//!   and the sine of `libm`, so the bytes are the same on every machine.
+
+use std::fmt::Write as _;
+
+use steerguard_detector::{
+    Actuator, Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle,
+};
+use steerguard_plant::dynamics::{DeadTime, Dynamics, Excitation, INTERNAL_STEP_S, PlantState};
+
+use crate::drive::scenario::Scenario;
+
+/// Length of the run, s.
+const DURATION_S: f64 = 10.0;
+
+/// Times are compared to this fraction of a step.
+const SLACK: f64 = 1e-6;
+
+const PLANT_INPUTS: [&str; 5] =
+    ["u.T_eng", "u.delta", "fault", "disturbance.side_force", "disturbance.yaw_moment"];
+const PLANT_OUTPUTS: [&str; 6] = ["v_x", "r", "true.v_x", "true.v_y", "true.r", "true.delta"];
+const DETECTOR_INPUTS: [&str; 4] = ["v_x", "r", "u.T_eng", "u.delta"];
+const DETECTOR_OUTPUTS: [&str; 6] =
+    ["residual.v_x", "residual.r", "J_rms", "J_th", "alarm", "state"];
+
+/// The two files, by what follows the model's name in theirs.
+pub type Files = [(&'static str, String); 2];
+
+/// Speed in the middle of the design range, m/s: where a run of the design starts by default.
+pub fn speed_m_per_s(design: &Configuration) -> f64 {
+    let range = design.model.range.v_x;
+    0.5 * (range.min + range.max)
+}
+
+/// The files of `SteeringFaultDetector.fmu`.
+///
+/// # Errors
+/// [`ConfigurationError`] if the detector cannot run on these numbers.
+pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
+    let scenario = Scenario::default();
+    let speed = speed_m_per_s(design);
+    let initial =
+        [speed, scenario.initial_lateral_speed_m_per_s, scenario.initial_yaw_rate_rad_per_s];
+    let model = &design.model;
+    let rows = drive(&model.vehicle, &design.actuator, initial, model.sampling_period_s, &scenario);
+
+    let mut detector = Detector::new(design)?;
+    let mut output = detector.state.output;
+    let (mut inputs, mut outputs) = (table(&DETECTOR_INPUTS), table(&DETECTOR_OUTPUTS));
+    for Row { time_s, state: [v_x, _, r, _], next, .. } in rows {
+        push(&mut inputs, time_s, &[v_x, r, next.t_eng, next.delta]);
+        push(&mut outputs, time_s, &results(&output));
+        output = *detector.sample([v_x, r], [next.t_eng, next.delta]);
+    }
+    Ok([("_in.csv", inputs), ("_ref.csv", outputs)])
+}
+
+/// The files of `VehiclePlant.fmu`, for communication steps of `step_s`.
+pub fn plant(vehicle: &Vehicle, speed_m_per_s: f64, step_s: f64) -> Files {
+    let (mut inputs, mut outputs) = (table(&PLANT_INPUTS), table(&PLANT_OUTPUTS));
+    for row in
+        drive(vehicle, &Actuator::NONE, [speed_m_per_s, 0.0, 0.0], step_s, &Scenario::default())
+    {
+        let Row { time_s, state: [v_x, v_y, r, delta_w], last, next } = row;
+        let Excitation { t_eng, delta, fault, side_force, yaw_moment } = next;
+        push(&mut inputs, time_s, &[t_eng, delta, fault, side_force, yaw_moment]);
+        push(&mut outputs, time_s, &[v_x, r, v_x, v_y, r, delta_w + last.fault]);
+    }
+    [("_in.csv", inputs), ("_ref.csv", outputs)]
+}
+
+/// A communication point.
+struct Row {
+    time_s: f64,
+    state: PlantState,
+    /// What acted until this point.
+    last: Excitation,
+    /// What acts from it on.
+    next: Excitation,
+}
+
+/// The reference vehicle from `[v_x, v_y, r]` through the scenario.
+fn drive(
+    vehicle: &Vehicle,
+    actuator: &Actuator,
+    initial: [f64; 3],
+    step_s: f64,
+    scenario: &Scenario,
+) -> Vec<Row> {
+    let [v_x, v_y, r] = initial;
+    let dynamics = Dynamics {
+        vehicle: *vehicle,
+        friction_limited: false,
+        friction: 1.0,
+        actuator_lag_s: actuator.lag_s,
+        actuator_rate_limit: actuator.rate_limit_rad_per_s.unwrap_or(0.0),
+        bank_rad: 0.0,
+    };
+    let mut last = excitation(scenario, vehicle, v_x, 0.0);
+    let mut state = [v_x, v_y, r, last.delta];
+    let mut dead_time = DeadTime::new(actuator.delay_s, last.delta);
+    let mut rows = Vec::new();
+    let (mut k, mut internal_steps) = (0_u32, 0.0);
+    while f64::from(k) * step_s <= DURATION_S + SLACK * step_s {
+        let time_s = f64::from(k) * step_s;
+        let next = excitation(scenario, vehicle, v_x, time_s);
+        rows.push(Row { time_s, state, last, next });
+        k += 1;
+        while internal_steps * INTERNAL_STEP_S < f64::from(k) * step_s - SLACK * INTERNAL_STEP_S {
+            let delta = dead_time.pass(next.delta);
+            state = dynamics.step(state, &Excitation { delta, ..next });
+            internal_steps += 1.0;
+        }
+        last = next;
+    }
+    rows
+}
+
+fn excitation(scenario: &Scenario, vehicle: &Vehicle, speed: f64, time_s: f64) -> Excitation {
+    let side_force = vehicle.mass_kg * scenario.side_wind_m_per_s2.at(time_s, speed);
+    Excitation {
+        t_eng: vehicle.cruise_torque(speed) + scenario.drive_torque_n_m.at(time_s, speed),
+        delta: scenario.steering_angle_rad.at(time_s, speed),
+        fault: scenario.steering_fault_rad(time_s, speed),
+        side_force,
+        yaw_moment: side_force * scenario.side_wind_lever_arm_m,
+    }
+}
+
+fn results(output: &Output) -> [f64; 6] {
+    let [v_x, r] = output.residual;
+    let state = match output.monitor {
+        Monitor::Starting => 1.0,
+        Monitor::Monitoring => 2.0,
+        Monitor::OutOfRange => 3.0,
+        Monitor::InvalidInput => 4.0,
+    };
+    [v_x, r, output.j_rms, output.j_th, f64::from(u8::from(output.alarm)), state]
+}
+
+/// The first line of a table.
+fn table(names: &[&str]) -> String {
+    format!("time,{}\n", names.join(","))
+}
+
+/// Adds a line: the shortest decimals that read back to the same numbers.
+fn push(table: &mut String, time_s: f64, values: &[f64]) {
+    let _infallible = write!(table, "{time_s:?}");
+    for value in values {
+        let _infallible = write!(table, ",{value:?}");
+    }
+    table.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use steerguard_model_description::{Causality, Variable, VariableSet, detector};
+    use steerguard_plant::PlantVariable;
+
+    use super::*;
+
+    fn names(table: &[Variable], causality: Causality) -> Vec<&str> {
+        table.iter().filter(|row| row.role.causality == causality).map(|row| row.name).collect()
+    }
+
+    #[test]
+    fn columns_are_the_inputs_and_outputs_of_the_models() {
+        let plant = PlantVariable::TABLE;
+        assert_eq!(names(plant, Causality::Input), PLANT_INPUTS);
+        assert_eq!(names(plant, Causality::Output), PLANT_OUTPUTS);
+        let detector = detector::DetectorVariable::TABLE;
+        assert_eq!(names(detector, Causality::Input), DETECTOR_INPUTS);
+        assert_eq!(names(detector, Causality::Output), DETECTOR_OUTPUTS);
+    }
+
+    #[test]
+    fn there_is_a_row_for_each_communication_point() {
+        for (step_s, rows) in [(0.01, 1001), (0.005, 2001), (0.02, 501), (0.03, 334)] {
+            for (_, table) in plant(&Vehicle::PAPER, 15.0, step_s) {
+                assert_eq!(table.lines().count(), 1 + rows, "{step_s}");
+                assert!(!table.contains("NaN"));
+            }
+        }
+    }
+}
