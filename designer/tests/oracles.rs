@@ -4,7 +4,7 @@
 
 use serde::Deserialize;
 use steerguard_designer::Spec;
-use steerguard_designer::analysis::certified::{Error, Gain, certify};
+use steerguard_designer::analysis::certified::{ErrorSystem, Gain, certify};
 use steerguard_designer::analysis::frequency::{PointFigures, at_point, limit};
 use steerguard_designer::analysis::operating_point::OperatingPoint;
 use steerguard_designer::lmi::Matrix;
@@ -148,7 +148,7 @@ fn certified_gains_agree_with_several_bands_and_bounded_noise() {
         let theorem = spec.theorem(&inputs);
         let gains = fixture.observer.gains(&spec);
         let value = |channel: &Channel, gain: Gain, expected: f64| {
-            certify(&Error::new(&theorem, &gains, channel), channel.band, gain, expected)
+            certify(&ErrorSystem::new(&theorem, &gains, channel), channel.band, gain, expected)
                 .map(|certificate| certificate.gain)
         };
         // Ours is a strict solution: a little on the safe side.

@@ -6,3 +6,5 @@ pub mod cli;
 pub mod drive;
 pub mod fmu;
 pub mod importer;
+pub mod output;
+pub mod platform;

@@ -5,8 +5,8 @@
 #[path = "common/fmu.rs"]
 mod fmu;
 
-use steerguard::cli::design_summary::baked;
 use steerguard::drive::cosimulation::{Excitation, Rig};
+use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Fmu;

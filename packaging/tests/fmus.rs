@@ -14,9 +14,9 @@ use steerguard::drive::cosimulation;
 use steerguard::drive::detection::Detection;
 use steerguard::drive::scenario::Scenario;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
-use steerguard::fmu::platform::Platform;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Type;
+use steerguard::platform::Platform;
 use steerguard_fmi2::Function;
 use steerguard_model_description::xml;
 

@@ -7,9 +7,9 @@ mod fmu;
 #[path = "../../designer/tests/common/s1.rs"]
 mod s1;
 
-use steerguard::cli::design_summary::baked;
 use steerguard::drive::cosimulation::{self, Sample};
 use steerguard::drive::scenario::{Scenario, Signal};
+use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::{Design, DesignStatus, Spec, design};

@@ -19,7 +19,7 @@ use sha2::{Digest, Sha256};
 
 use super::CampaignError;
 use super::table::{self, Row};
-use crate::cli::output;
+use crate::output;
 
 /// Drives of a block.
 pub const BLOCK: u64 = 16;

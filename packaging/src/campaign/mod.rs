@@ -31,8 +31,8 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::cli::output::OutputError;
 use crate::drive::cosimulation::CosimulationError;
+use crate::output::OutputError;
 use drive::Drive;
 use folder::Folder;
 use settings::Settings;

@@ -21,7 +21,7 @@ use super::statistics::{
     CONFIDENCE, Estimate, probability, probability_at_least, quantile, rate_per_hour,
 };
 use super::table::Row;
-use crate::cli::table::aligned;
+use crate::output::table::aligned;
 
 /// Share of the faults that has to be detected.
 const SURE: f64 = 0.99;

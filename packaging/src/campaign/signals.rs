@@ -16,8 +16,8 @@ use super::settings::Settings;
 use super::simulation::TestBench;
 use super::table::{Column, Table};
 use super::{CampaignError, Manifest};
-use crate::cli::output;
 use crate::drive::cosimulation::Sample;
+use crate::output;
 
 /// A sample of a drive.
 type Signal = (u64, Sample);

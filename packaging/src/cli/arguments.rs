@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, value_parser};
 
 use crate::campaign::Shard;
 use crate::campaign::settings::FaultMix;
-use crate::fmu::platform::Platform;
+use crate::platform::Platform;
 
 const EXAMPLES: &str = "\
 Without a command: designs the detector for the paper's vehicle, re-checks it, packages it, drives

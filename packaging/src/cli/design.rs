@@ -6,10 +6,10 @@ use steerguard_designer::{Design, DesignStatus};
 
 use super::{input, print};
 use crate::cli::arguments::DesignArguments;
-use crate::cli::design_summary::DesignSummary;
 use crate::cli::failure::{Exit, Failure};
-use crate::cli::output;
 use crate::cli::progress::Progress;
+use crate::fmu::design_summary::DesignSummary;
+use crate::output;
 
 #[derive(Serialize)]
 struct Outcome<'a> {

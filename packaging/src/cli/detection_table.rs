@@ -1,7 +1,7 @@
 //! The detection table for people.
 
-use crate::cli::table::aligned;
 use crate::drive::detection::Detection;
+use crate::output::table::aligned;
 
 /// One line for each run, and remarks below.
 pub fn detection_table<'a>(detections: impl Iterator<Item = &'a Detection>) -> String {

@@ -72,8 +72,8 @@ impl Failure {
     }
 }
 
-impl From<crate::cli::output::OutputError> for Failure {
-    fn from(error: crate::cli::output::OutputError) -> Self {
+impl From<crate::output::OutputError> for Failure {
+    fn from(error: crate::output::OutputError) -> Self {
         Self::bad(&error)
             .help("name a file in an existing folder that you may write to (-o FILE, --out DIR)")
     }

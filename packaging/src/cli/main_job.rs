@@ -7,15 +7,15 @@ use steerguard_designer::Spec;
 
 use super::package::Packaged;
 use super::{design, input, package, print, simulate, verify};
-use crate::cli::design_summary::DesignSummary;
 use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
-use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::drive::detection::Detection;
 use crate::drive::scenario::Scenario;
 use crate::drive::simulation::Files;
+use crate::fmu::design_summary::DesignSummary;
 use crate::fmu::runtime::Runtimes;
+use crate::output;
 
 #[derive(Serialize)]
 struct Outcome {

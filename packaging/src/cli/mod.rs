@@ -4,16 +4,13 @@ pub mod arguments;
 mod campaign;
 mod check;
 mod design;
-pub mod design_summary;
 mod detection_table;
 pub mod failure;
 mod input;
 mod main_job;
-pub mod output;
 mod package;
 pub mod progress;
 mod simulate;
-pub mod table;
 mod verify;
 
 use serde::Serialize;

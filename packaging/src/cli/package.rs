@@ -8,13 +8,13 @@ use steerguard_fmu::BakedDesign;
 
 use super::{input, print};
 use crate::cli::arguments::PackageArguments;
-use crate::cli::design_summary::{baked, causes};
 use crate::cli::failure::{Exit, Failure};
-use crate::cli::output;
 use crate::cli::progress::Progress;
+use crate::fmu::design_summary::{baked, causes};
 use crate::fmu::package::{PackageError, detector_fmu, plant_fmu};
 use crate::fmu::runtime::Runtimes;
 use crate::fmu::system::system_ssp;
+use crate::output;
 
 /// An FMU that was written.
 #[derive(Serialize)]

@@ -9,13 +9,13 @@ use super::{input, package, print};
 use crate::cli::arguments::SimulateArguments;
 use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
-use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::drive::detection::Detection;
 use crate::drive::scenario::Scenario;
 use crate::drive::simulation::{Files, Simulation, SimulationError};
 use crate::fmu::runtime::Runtimes;
 use crate::importer::Fmu;
+use crate::output;
 
 #[derive(Serialize)]
 struct Outcome {

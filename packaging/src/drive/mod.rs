@@ -2,5 +2,6 @@
 
 pub mod cosimulation;
 pub mod detection;
+pub mod plot;
 pub mod scenario;
 pub mod simulation;

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::cli::output::{self, OutputError};
 use crate::drive::cosimulation::{self, CosimulationError, Run};
 use crate::drive::detection::Detection;
+use crate::drive::plot::{self, PlotError};
 use crate::drive::scenario::Scenario;
-use crate::fmu::plot::{self, PlotError};
 use crate::importer::Fmu;
+use crate::output::{self, OutputError};
 
 /// Why a simulation has no result.
 #[derive(Debug, thiserror::Error)]

@@ -3,7 +3,7 @@
 use object::{Object as _, ObjectSection as _};
 use steerguard_fmi2::{SealError, baked};
 
-use crate::fmu::platform::Platform;
+use crate::platform::Platform;
 
 /// A library that a design cannot be baked into.
 #[derive(Debug, thiserror::Error)]

@@ -10,7 +10,7 @@ use steerguard_model_description::{
     Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
 };
 
-use crate::cli::design_summary::{Cause, cause_rows};
+use crate::fmu::design_summary::{Cause, cause_rows};
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\

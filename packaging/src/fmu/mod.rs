@@ -2,10 +2,9 @@
 
 pub mod archive;
 pub mod bake;
+pub mod design_summary;
 pub mod documentation;
 pub mod package;
-pub mod platform;
-pub mod plot;
 pub mod reference;
 pub mod runtime;
 pub mod system;

@@ -8,13 +8,13 @@ use steerguard_fmu::{BakedDesign, DesignError, DetectorModel};
 use steerguard_model_description::{DefaultExperiment, xml};
 use steerguard_plant::{PlantModel, PlantVariable};
 
-use crate::cli::design_summary::Cause;
 use crate::fmu::archive::Archive;
 use crate::fmu::bake::{BakeError, bake};
+use crate::fmu::design_summary::Cause;
 use crate::fmu::documentation;
-use crate::fmu::platform::Platform;
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
+use crate::platform::Platform;
 
 /// Length of the run that the FMUs propose, s: the scenario of the paper's Fig. 1.
 pub(crate) const STOP_TIME_S: f64 = 20.0;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::fmu::platform::Platform;
+use crate::platform::Platform;
 
 /// Shared libraries of one model by platform.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -21,10 +21,10 @@ use steerguard_model_description::{
 };
 use steerguard_plant::PlantModel;
 
-use crate::cli::design_summary::Cause;
 use crate::drive::cosimulation::name_in_plant;
 use crate::drive::scenario::Scenario;
 use crate::fmu::archive::Archive;
+use crate::fmu::design_summary::Cause;
 use crate::fmu::package::{PackageError, STOP_TIME_S, detector_fmu, plant_fmu};
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;

@@ -21,7 +21,7 @@ pub use log::LogMessage;
 pub use unpack::UnpackError;
 pub(crate) use unpack::{MAX_ENTRIES, MAX_UNPACKED_BYTES};
 
-use crate::fmu::platform::Platform;
+use crate::platform::Platform;
 use library::Library;
 
 /// An FMU that cannot be used.

@@ -6,10 +6,10 @@ use std::path::Path;
 use std::ptr;
 
 use libloading::Library;
-use steerguard::cli::design_summary::{baked, causes};
+use steerguard::fmu::design_summary::{baked, causes};
 use steerguard::fmu::package::detector_fmu;
-use steerguard::fmu::platform::Platform;
 use steerguard::fmu::runtime::Runtimes;
+use steerguard::platform::Platform;
 use steerguard_designer::{Spec, design};
 use steerguard_detector::Configuration;
 use steerguard_fmi2::types::{

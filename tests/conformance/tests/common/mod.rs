@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 use libloading::Library;
 use steerguard::fmu::package::detector_fmu;
-use steerguard::fmu::platform::Platform;
 use steerguard::fmu::runtime::Runtimes;
+use steerguard::platform::Platform;
 use steerguard_conformance_tests::Functions;
 use steerguard_designer::{Design, Spec, design};
 use steerguard_detector::Detector;
@@ -41,7 +41,7 @@ impl Packaged {
             }
             None => design(&Spec::paper(), &mut |_| {}).unwrap(),
         };
-        let baked = steerguard::cli::design_summary::baked(&design).unwrap();
+        let baked = steerguard::fmu::design_summary::baked(&design).unwrap();
         let bytes = detector_fmu(&baked, &[], &Runtimes::detector()).unwrap();
 
         let folder = tempfile::tempdir().unwrap();

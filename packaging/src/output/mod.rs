@@ -1,5 +1,7 @@
 //! Files that appear whole or not at all.
 
+pub mod table;
+
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use steerguard_designer::threshold::{SteadyThreshold, UNCERTAINTIES, by_cause};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, EvaluationDesign};
 use steerguard_fmu::BakedDesign;
 
-use crate::cli::table::aligned;
+use crate::output::table::aligned;
 
 /// Figures of a design.
 #[derive(Clone, Debug, PartialEq, Serialize)]
