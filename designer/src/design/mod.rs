@@ -77,7 +77,7 @@ pub enum DesignError {
 pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
     spec.check()?;
     let model = model::model(spec);
-    let inputs = inputs::inputs(spec)?;
+    let inputs = Inputs::of(spec)?;
     let theorem = Theorem4::of(spec, &inputs);
 
     let found = match spec.design.method {

@@ -97,4 +97,3 @@ fn culprit<T: DeserializeOwned>(
     };
     keys.find(is_culprit).unwrap_or(path)
 }
-

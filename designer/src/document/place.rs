@@ -51,7 +51,8 @@ pub(super) fn default_of(defaults: &toml::Table, path: &str) -> Option<String> {
     let mut keys = without_index(path).split('.');
     let first = defaults.get(keys.next()?)?;
     let value = keys.try_fold(first, |value, key| value.get(key))?;
-    let is_of_tables = value.as_array().is_some_and(|array| array.iter().any(toml::Value::is_table));
+    let is_of_tables =
+        value.as_array().is_some_and(|array| array.iter().any(toml::Value::is_table));
     (!value.is_table() && !is_of_tables).then(|| value.to_string())
 }
 

@@ -26,6 +26,23 @@ pub struct Inputs {
     pub weights: [f64; 2],
 }
 
+impl Inputs {
+    /// What is asked of the residual, for the fault that is designed for.
+    ///
+    /// # Errors
+    /// [`Mistakes`] for a band that is not possible.
+    pub fn of(spec: &Spec) -> Result<Self, Mistakes> {
+        Ok(Self {
+            fault: fault_channels(spec)?.swap_remove(0),
+            disturbances: disturbance_channels(spec)?,
+            white_std: spec.noise.white_std(),
+            smallest_fault: spec.fault[0].smallest(),
+            bound: spec.disturbance[0].bound(),
+            weights: spec.evaluation.weights,
+        })
+    }
+}
+
 /// An input by itself, in units of its bound.
 #[derive(Clone, Debug)]
 pub struct BoundedInput {
@@ -37,21 +54,6 @@ pub struct BoundedInput {
     pub unit: &'static str,
     /// Its column.
     pub channel: Channel,
-}
-
-/// What is asked of the residual, for the fault that is designed for.
-///
-/// # Errors
-/// [`Mistakes`] for a band that is not possible.
-pub fn inputs(spec: &Spec) -> Result<Inputs, Mistakes> {
-    Ok(Inputs {
-        fault: fault_channels(spec)?.swap_remove(0),
-        disturbances: disturbance_channels(spec)?,
-        white_std: spec.noise.white_std(),
-        smallest_fault: spec.fault[0].smallest(),
-        bound: spec.disturbance[0].bound(),
-        weights: spec.evaluation.weights,
-    })
 }
 
 /// The faults of interest as inputs of the error, in rad or N m; the first is designed for.

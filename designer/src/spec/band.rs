@@ -8,7 +8,7 @@ pub(super) fn low_band() -> [f64; 2] {
 }
 
 /// Finds what is not possible of the `band_hz` of `channel`.
-pub(super) fn check(
+pub(crate) fn check_band(
     channel: &str,
     band_hz: [f64; 2],
     nyquist_hz: f64,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use steerguard_detector::Vehicle;
 
-use super::band::{self, low_band};
+use super::band::{check_band, low_band};
 use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Standard acceleration of gravity, m/s^2.
@@ -129,8 +129,8 @@ impl Disturbance {
             Self::Bank { bound_deg, .. } => ("bound_deg", *bound_deg),
             Self::YawMoment { bound_n_m, .. } => ("bound_n_m", *bound_n_m),
             Self::Direction { bound, direction, .. } => {
-                let proper = direction.iter().all(|x| x.is_finite())
-                    && direction.iter().any(|&x| x != 0.0);
+                let proper =
+                    direction.iter().all(|x| x.is_finite()) && direction.iter().any(|&x| x != 0.0);
                 mistakes.unless(proper, || {
                     let allowed = "finite numbers, not all zero";
                     Mistake::value(format!("{at}.direction"), direction, allowed)
@@ -140,7 +140,7 @@ impl Disturbance {
         };
         mistakes.number(&format!("{at}.{key}"), bound, Allowed::POSITIVE);
         if let Some(nyquist_hz) = nyquist_hz {
-            band::check(at, self.band_hz(), nyquist_hz, mistakes);
+            check_band(at, self.band_hz(), nyquist_hz, mistakes);
         }
     }
 }

@@ -86,9 +86,13 @@ impl Evaluation {
                     .help("state `constant`, the threshold on J, or take another kind"),
             ),
             (_, Some(constant)) => mistakes.add(
-                Mistake::value("evaluation.constant", constant, "with threshold = \"constant\" only")
-                    .help("remove it, or set threshold = \"constant\"")
-                    .because_of("evaluation.threshold"),
+                Mistake::value(
+                    "evaluation.constant",
+                    constant,
+                    "with threshold = \"constant\" only",
+                )
+                .help("remove it, or set threshold = \"constant\"")
+                .because_of("evaluation.threshold"),
             ),
             (_, None) => {}
         }

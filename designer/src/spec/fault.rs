@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::band::{self, low_band};
+use super::band::{check_band, low_band};
 use crate::document::{Allowed, Mistakes};
 
 /// `[[fault]]`: an additive fault of an actuator.
@@ -65,7 +65,7 @@ impl Fault {
         };
         mistakes.number(&format!("{at}.{key}"), smallest, Allowed::POSITIVE);
         if let Some(nyquist_hz) = nyquist_hz {
-            band::check(at, self.band_hz(), nyquist_hz, mistakes);
+            check_band(at, self.band_hz(), nyquist_hz, mistakes);
         }
     }
 }

@@ -26,7 +26,7 @@ mod uncertainty;
 mod vehicle;
 
 pub use actuator::ActuatorTable;
-pub(crate) use band::check as check_band;
+pub(crate) use band::check_band;
 pub use calibration::{Calibration, Manoeuvre};
 pub use design::{Method, MethodName, MultiplierV, VName};
 pub use disturbance::Disturbance;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::band;
+use super::band::check_band;
 use crate::document::{Allowed, Mistake, Mistakes};
 
 /// `[noise]`: sensor noise. Bounds count like those of disturbances, in the norm of their band;
@@ -78,7 +78,7 @@ impl Noise {
             }
             if let Some(band_hz) = band_hz {
                 if let Some(nyquist_hz) = nyquist_hz {
-                    band::check(at, band_hz, nyquist_hz, mistakes);
+                    check_band(at, band_hz, nyquist_hz, mistakes);
                 }
                 mistakes.unless(bound.is_some(), || {
                     Mistake::value(format!("{at}.band_hz"), band_hz, "with a bound only")

@@ -125,9 +125,8 @@ impl UncertaintyTable {
     pub(super) fn check(&self, largest_delay_s: Option<f64>, mistakes: &mut Mistakes) {
         let lag_s = Allowed::between(0.0, ActuatorTable::LARGEST_LAG_S);
         mistakes.number("uncertainty.actuator_lag_s", self.actuator_lag_s, lag_s);
-        let delay_s = largest_delay_s.map_or(Allowed::NOT_NEGATIVE, |largest_s| {
-            Allowed::between(0.0, largest_s)
-        });
+        let delay_s = largest_delay_s
+            .map_or(Allowed::NOT_NEGATIVE, |largest_s| Allowed::between(0.0, largest_s));
         mistakes.unless(delay_s.holds(self.actuator_delay_s), || {
             Mistake::value("uncertainty.actuator_delay_s", self.actuator_delay_s, delay_s)
                 .because_of("actuator.delay_s")

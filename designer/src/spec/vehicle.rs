@@ -30,20 +30,11 @@ pub(super) fn check(vehicle: &Vehicle, mistakes: &mut Mistakes) {
     for (key, value) in [
         ("mass_kg", vehicle.mass_kg),
         ("yaw_inertia_kg_m2", vehicle.yaw_inertia_kg_m2),
-        (
-            "effective_longitudinal_inertia_kg_m",
-            vehicle.effective_longitudinal_inertia_kg_m,
-        ),
+        ("effective_longitudinal_inertia_kg_m", vehicle.effective_longitudinal_inertia_kg_m),
         ("front_axle_distance_m", vehicle.front_axle_distance_m),
         ("rear_axle_distance_m", vehicle.rear_axle_distance_m),
-        (
-            "front_cornering_stiffness_n_per_rad",
-            vehicle.front_cornering_stiffness_n_per_rad,
-        ),
-        (
-            "rear_cornering_stiffness_n_per_rad",
-            vehicle.rear_cornering_stiffness_n_per_rad,
-        ),
+        ("front_cornering_stiffness_n_per_rad", vehicle.front_cornering_stiffness_n_per_rad),
+        ("rear_cornering_stiffness_n_per_rad", vehicle.rear_cornering_stiffness_n_per_rad),
     ] {
         mistakes.number(&format!("vehicle.{key}"), value, Allowed::POSITIVE);
     }

@@ -22,7 +22,7 @@ use steerguard_detector::{
     Monitor, Output, Vehicle, VehicleState, rk4,
 };
 
-use crate::spec::{Calibration, Manoeuvre, Noise, Spec, UncertaintyTable};
+use crate::spec::{Manoeuvre, Noise, Spec, UncertaintyTable};
 use crate::threshold::gust::Gusts;
 
 /// Longest integration step, s.

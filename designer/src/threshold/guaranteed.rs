@@ -31,7 +31,7 @@ use crate::analysis::certified::ErrorSystem;
 use crate::analysis::operating_point::{spectral_radius, square};
 use crate::lmi::Rows3;
 use crate::lmi::{self, Affine, Matrix, Variables, smallest_eigenvalue};
-use crate::problem::channel::{Channel, speed_memberships};
+use crate::problem::channel::speed_memberships;
 use crate::problem::inputs::{BoundedInput, bounded_inputs};
 use crate::problem::model::model;
 use crate::spec::{Noise, Spec, SpeedNoise, YawRateNoise};
