@@ -13,12 +13,12 @@ use rand_distr::{Distribution, StandardNormal};
 use steerguard_designer::analysis::frequency::noise_rms;
 use steerguard_designer::analysis::operating_point::{FrozenError, OperatingPoint};
 use steerguard_designer::document::{Mistake, MistakeKind};
-use steerguard_designer::lmi::Matrix;
+use steerguard_designer::lmi::matrix::{Matrix, matrix};
 use steerguard_designer::problem::channel::{premise_sensitivity, premise_sensitivity_vertices};
 use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::spec::Fault;
 use steerguard_designer::synthesis::gains::ObserverGains;
-use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignError, Spec};
 use steerguard_detector::{
     Actuator, Configuration, Detector, Deviations, Evaluation, Input, Monitor, RULES, TsModel,

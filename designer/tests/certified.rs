@@ -12,7 +12,7 @@ use serde::Deserialize;
 use steerguard_designer::analysis::certified::{ErrorSystem, Gain, certified, certify};
 use steerguard_designer::analysis::frequency::frozen;
 use steerguard_designer::analysis::operating_point::OperatingPoint;
-use steerguard_designer::lmi::Matrix;
+use steerguard_designer::lmi::matrix::{Matrix, matrix};
 use steerguard_designer::problem::band::Band;
 use steerguard_designer::problem::channel::Channel;
 use steerguard_designer::problem::inputs::Inputs;
@@ -20,7 +20,7 @@ use steerguard_designer::problem::model::model;
 use steerguard_designer::spec::Disturbance;
 use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
-use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::{Refusal, verify};
 

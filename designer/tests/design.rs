@@ -5,13 +5,14 @@
 use std::sync::OnceLock;
 
 use steerguard_designer::analysis::certificate::{check, error_dynamics};
+use steerguard_designer::lmi::matrix::matrix;
 use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::spec::{
     ActuatorTable, Calibration, Evaluation, Manoeuvre, ThresholdKind, UncertaintyTable,
 };
 use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{AttenuationMatrices, Lyapunov};
-use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::by_cause;
 use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_designer::{

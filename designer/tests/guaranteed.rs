@@ -12,9 +12,10 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
+use steerguard_designer::lmi::matrix::matrix;
 use steerguard_designer::problem::inputs;
 use steerguard_designer::synthesis::gains::ObserverGains;
-use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::calibration::{Population, calibrate, drives};
 use steerguard_designer::threshold::guaranteed::peak_bounds;
 use steerguard_designer::{Design, DesignStatus, Spec, design};

@@ -7,13 +7,13 @@ use steerguard_designer::Spec;
 use steerguard_designer::analysis::certified::{ErrorSystem, Gain, certify};
 use steerguard_designer::analysis::frequency::{PointFigures, at_point, limit};
 use steerguard_designer::analysis::operating_point::OperatingPoint;
-use steerguard_designer::lmi::Matrix;
+use steerguard_designer::lmi::matrix::{Matrix, matrix};
 use steerguard_designer::problem::channel::Channel;
 use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::problem::model::model;
 use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
-use steerguard_designer::synthesis::theorem4::{Theorem4, matrix};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_detector::RULES;
 
 mod common;

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use steerguard_designer::Spec;
 use steerguard_designer::analysis::certificate::check;
-use steerguard_designer::lmi::{Affine, Matrix};
+use steerguard_designer::lmi::affine::Affine;
+use steerguard_designer::lmi::matrix::Matrix;
 use steerguard_designer::problem::band::Band;
 use steerguard_designer::problem::channel::Channel;
 use steerguard_designer::problem::model;

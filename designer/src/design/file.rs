@@ -19,7 +19,7 @@ use crate::analysis::certificate::{Check, Margin};
 use crate::analysis::certified::{APosteriori, CertifiedFigures};
 use crate::analysis::frequency::{Frozen, PointFigures};
 use crate::document::Mistakes;
-use crate::lmi::Rows3;
+use crate::lmi::matrix::Rows3;
 use crate::problem::model::deviations;
 use crate::search::SearchRecord;
 use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};

@@ -15,14 +15,14 @@ use crate::design::file::{
     FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
 };
 use crate::document::Mistakes;
-use crate::lmi::Matrix;
+use crate::lmi::matrix::{Matrix, nested, rows};
 use crate::problem::band::Band;
 use crate::problem::inputs::{self, Inputs};
 use crate::problem::model;
 use crate::progress::Step;
 use crate::search::{SearchRecord, search};
 use crate::spec::{MethodName, Spec};
-use crate::synthesis::gains::{ObserverGains, rows};
+use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::synthesis::theorem4::Theorem4;
@@ -402,9 +402,4 @@ fn statement(theorem: &Theorem4) -> String {
         bands.collect::<Vec<_>>().join(", and with its own gamma "),
         input("f", theorem.fault.band),
     )
-}
-
-/// A matrix as nested rows.
-fn nested(x: &Matrix) -> Vec<Vec<f64>> {
-    x.row_iter().map(|row| row.iter().copied().collect()).collect()
 }

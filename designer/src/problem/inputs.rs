@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::document::Mistakes;
-use crate::lmi::Matrix;
+use crate::lmi::matrix::Matrix;
 use crate::problem::band::Band;
 use crate::problem::channel::Channel;
 use crate::problem::model;

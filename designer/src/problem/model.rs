@@ -2,7 +2,7 @@
 
 use steerguard_detector::{Deviations, TsModel};
 
-use crate::lmi::Matrix;
+use crate::lmi::matrix::Matrix;
 use crate::spec::Spec;
 
 /// The N-TS model.

@@ -32,7 +32,8 @@
 
 use steerguard_detector::{C, RULES, TsModel};
 
-use crate::lmi::{Affine, Matrix, Variables, beside};
+use crate::lmi::affine::{Affine, Variables};
+use crate::lmi::matrix::{Matrix, beside, matrix};
 use crate::problem::channel::{Channel, premise_sensitivity_vertices};
 use crate::problem::inputs::Inputs;
 use crate::problem::model::{f, model};
@@ -376,9 +377,4 @@ pub(crate) fn diagonal(residual: &Affine, input: &Affine) -> Affine {
 fn stack(blocks: &[&Matrix]) -> Matrix {
     let rows: Vec<_> = blocks.iter().flat_map(|block| block.row_iter()).collect();
     Matrix::from_rows(&rows)
-}
-
-/// A matrix of rows as a [`Matrix`].
-pub fn matrix<const R: usize, const K: usize>(rows: &[[f64; K]; R]) -> Matrix {
-    Matrix::from_fn(R, K, |row, column| rows[row][column])
 }

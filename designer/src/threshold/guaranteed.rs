@@ -29,14 +29,15 @@ use steerguard_detector::RULES;
 
 use crate::analysis::certified::ErrorSystem;
 use crate::analysis::operating_point::{spectral_radius, square};
-use crate::lmi::Rows3;
-use crate::lmi::{self, Affine, Matrix, Variables, smallest_eigenvalue};
+use crate::lmi::affine::{Affine, Variables};
+use crate::lmi::matrix::{Matrix, Rows3, matrix, rows, smallest_eigenvalue};
+use crate::lmi::solve::minimise_with_cuts;
 use crate::problem::channel::speed_memberships;
 use crate::problem::inputs::{BoundedInput, bounded_inputs};
 use crate::problem::model::model;
 use crate::spec::{Noise, Spec, SpeedNoise, YawRateNoise};
-use crate::synthesis::gains::{ObserverGains, rows};
-use crate::synthesis::theorem4::{Theorem4, VERTICES_OF_RHO, matrix};
+use crate::synthesis::gains::ObserverGains;
+use crate::synthesis::theorem4::{Theorem4, VERTICES_OF_RHO};
 use crate::threshold::calibration::Level;
 
 /// Values of lambda tried, from the square of the slowest mode towards one.
@@ -304,7 +305,7 @@ impl Problem {
             conditions.iter().map(margin).collect()
         };
         let objective = (1.0 / self.window) * &energy + &gain_squared;
-        let solution = lmi::minimise_with_cuts(
+        let solution = minimise_with_cuts(
             &variables,
             &objective,
             with_margin(&few),
