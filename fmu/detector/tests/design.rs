@@ -5,8 +5,8 @@
 mod common;
 
 use common::design;
-use steerguard_fmi2::PAYLOAD_CAPACITY;
 use steerguard_fmu::{BakedDesign, DesignError};
+use steerguard_fmu_core::PAYLOAD_CAPACITY;
 
 #[test]
 fn a_design_survives_its_encoding() {

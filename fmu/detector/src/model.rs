@@ -6,8 +6,7 @@ use steerguard_detector::{
     ActuatorState, Detector, Initialisation, Input, Measurement, Monitor, Output, Responses, Rms,
     State, VehicleState,
 };
-use steerguard_fmi2::types::fmi2Status;
-use steerguard_fmi2::{Archive, Log, Model};
+use steerguard_fmu_core::{Archive, Log, Model, Status};
 use steerguard_model_description::detector::{DetectorVariable as V, INFO, NO_ALARM_TIME};
 use steerguard_model_description::{ModelInfo, Value};
 
@@ -18,7 +17,7 @@ const FIRST_MEASUREMENT: i32 = 1;
 /// `initialisation` from `z_0`, the item's value.
 const GIVEN: i32 = 2;
 
-/// The detector as an FMI model.
+/// The detector as an FMU model.
 #[derive(Clone)]
 pub struct DetectorModel {
     design: BakedDesign,
@@ -51,7 +50,7 @@ impl DetectorModel {
 
     /// Reports what the sample just run has changed.
     #[cold]
-    fn report(&self, before: Monitor, alarm_before: bool, log: &Log<'_>) -> fmi2Status {
+    fn report(&self, before: Monitor, alarm_before: bool, log: &Log<'_>) -> Status {
         let output = self.output();
         let time_s = self.time_s(self.detector.state.sample.saturating_sub(1));
         if output.alarm != alarm_before {
@@ -62,14 +61,14 @@ impl DetectorModel {
             });
         }
         if output.monitor == before {
-            return fmi2Status::fmi2OK;
+            return Status::Ok;
         }
         if output.monitor == Monitor::InvalidInput {
             log.warning(|text| {
                 text.str("an input is not finite or implausibly large at ").real(time_s);
                 text.str(" s: the last results are held until inputs are valid again");
             });
-            return fmi2Status::fmi2Warning;
+            return Status::Warning;
         }
         log.event(|text| {
             text.str(if output.monitor == Monitor::Monitoring {
@@ -79,7 +78,7 @@ impl DetectorModel {
             });
             text.real(time_s).str(" s");
         });
-        fmi2Status::fmi2OK
+        Status::Ok
     }
 }
 
@@ -258,11 +257,11 @@ impl Model for DetectorModel {
         Ok(())
     }
 
-    fn sample(&mut self, log: &Log<'_>) -> fmi2Status {
+    fn sample(&mut self, log: &Log<'_>) -> Status {
         let Output { monitor, alarm, .. } = *self.output();
         let after = self.detector.sample(self.measurement, self.input);
         if after.monitor == monitor && after.alarm == alarm {
-            fmi2Status::fmi2OK
+            Status::Ok
         } else {
             self.report(monitor, alarm, log)
         }

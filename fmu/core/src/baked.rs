@@ -8,7 +8,8 @@
 
 use core::ffi::CStr;
 
-use crate::archive::{CRC, GUID_LENGTH, copy};
+use crate::fields::{checksum, copy};
+use crate::guid::GUID_LENGTH;
 
 /// Section of the block in ELF files.
 pub const SECTION_ELF: &str = ".steerguard";
@@ -152,7 +153,7 @@ pub fn seal(section: &mut [u8], guid: &str, payload: &[u8]) -> Result<(), SealEr
     }
     copy(guid.as_bytes(), sealed);
     copy(payload, &mut sealed[GUID_LENGTH..]);
-    let crc = CRC.checksum(&sealed[..GUID_LENGTH + payload.len()]);
+    let crc = checksum(&sealed[..GUID_LENGTH + payload.len()]);
     copy(&crc.to_le_bytes(), &mut block[24..]);
     Ok(())
 }
@@ -184,7 +185,7 @@ fn parse(block: &[u8]) -> Option<Result<Baked<'_>, BakedError>> {
         _ => return None,
     }
     let checked = rest.get(..GUID_LENGTH.checked_add(length as usize)?)?;
-    if CRC.checksum(checked) != crc {
+    if checksum(checked) != crc {
         return None;
     }
     let (guid, payload) = checked.split_at_checked(GUID_LENGTH)?;

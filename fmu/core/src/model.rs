@@ -2,8 +2,7 @@
 
 use steerguard_model_description::{ModelInfo, Value, VariableSet};
 
-use crate::types::fmi2Status;
-use crate::{Archive, Block, Log};
+use crate::{Archive, Block, Log, Status};
 
 /// A sampled model. Its inputs are the first variables of its table.
 pub trait Model: Clone {
@@ -36,17 +35,16 @@ pub trait Model: Clone {
     /// Why the model cannot start from the parameters it was given.
     fn initialise(&mut self, start_time_s: f64) -> Result<(), &'static str>;
 
-    /// Runs the next sample with the inputs valid at it. The status decides about the step: with
-    /// fmi2Discard and worse the step ends here.
-    fn sample(&mut self, log: &Log<'_>) -> fmi2Status;
+    /// Runs the next sample with the inputs valid at it. With [`Status::Discard`] and worse the step
+    /// ends here.
+    fn sample(&mut self, log: &Log<'_>) -> Status;
 
     /// Passes everything that [`Model::new`] would not restore through `archive`, in a fixed order:
     /// inputs, parameters, states, outputs.
     fn archive(&mut self, archive: &mut Archive<'_>);
 }
 
-/// A model together with the block its numbers are baked into; made by
-/// [`export_fmi2!`](crate::export_fmi2).
+/// A model together with the block its numbers are baked into; made by the macro that exports it.
 pub trait Fmu {
     /// The model.
     type Model: Model;

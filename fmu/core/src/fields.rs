@@ -1,18 +1,13 @@
 //! Fields as bytes, little-endian: one pass over them serves to count, write and read.
-//!
-//! Format of a saved state: `SGST`, version, GUID, length and CRC-32 of the body, body.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
-use crate::instance::Guid;
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Length of the part before the body, bytes.
-const HEADER: usize = 4 + 4 + GUID_LENGTH + 4 + 4;
-pub(crate) const GUID_LENGTH: usize = 40;
-const MAGIC: [u8; 4] = *b"SGST";
-const VERSION: u32 = 1;
-
-pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// CRC-32 of bytes, as in zip and PNG.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    CRC.checksum(bytes)
+}
 
 /// Fields on their way into or out of bytes. Call its methods for the same fields in the same order
 /// whatever the direction.
@@ -145,7 +140,7 @@ impl Archive<'_> {
 }
 
 /// Copies as much as both hold, without the panic of `copy_from_slice`.
-pub(crate) fn copy(from: &[u8], to: &mut [u8]) {
+pub fn copy(from: &[u8], to: &mut [u8]) {
     for (to, from) in to.iter_mut().zip(from) {
         *to = *from;
     }
@@ -167,62 +162,9 @@ pub fn read_fields(bytes: &[u8], fields: impl FnOnce(&mut Archive<'_>)) -> bool 
     archive.sound && archive.position == bytes.len()
 }
 
-/// Serialised length of what `fields` passes through, bytes.
-pub(crate) fn length(fields: impl FnOnce(&mut Archive<'_>)) -> usize {
+/// Length of what `fields` passes through, bytes.
+pub fn length(fields: impl FnOnce(&mut Archive<'_>)) -> usize {
     let mut archive = Archive { direction: Direction::Count, position: 0, sound: true };
     fields(&mut archive);
-    HEADER + archive.position
-}
-
-/// Writes a state; false unless `buffer` is of its length.
-pub(crate) fn write(buffer: &mut [u8], guid: &Guid, fields: impl FnOnce(&mut Archive<'_>)) -> bool {
-    let Some((header, body)) = buffer.split_at_mut_checked(HEADER) else { return false };
-    write_fields(body, fields)
-        && write_fields(header, |archive| {
-            archive.bytes(&mut { MAGIC });
-            archive.u32(&mut { VERSION });
-            archive.bytes(&mut { guid.0 });
-            archive.u32(&mut { body.len() as u32 });
-            archive.u32(&mut { CRC.checksum(body) });
-        })
-}
-
-/// Reads a serialised state through `fields`.
-///
-/// # Errors
-/// What is wrong with it; the fields read so far are then of no use.
-pub(crate) fn read(
-    state: &[u8],
-    guid: &Guid,
-    fields: impl FnOnce(&mut Archive<'_>),
-) -> Result<(), &'static str> {
-    let body = checked_body(state, guid)?;
-    if read_fields(body, fields) { Ok(()) } else { Err("its contents are not those of a state") }
-}
-
-fn checked_body<'a>(state: &'a [u8], guid: &Guid) -> Result<&'a [u8], &'static str> {
-    let Some((header, body)) = state.split_at_checked(HEADER) else {
-        return Err("it is too short");
-    };
-    let mut archive = Archive { direction: Direction::Read(header), position: 0, sound: true };
-    let (mut magic, mut from) = ([0; 4], [0; GUID_LENGTH]);
-    let (mut version, mut length, mut crc) = (0, 0, 0);
-    archive.bytes(&mut magic);
-    archive.u32(&mut version);
-    archive.bytes(&mut from);
-    archive.u32(&mut length);
-    archive.u32(&mut crc);
-    if magic != MAGIC {
-        Err("it is not a state of such an FMU")
-    } else if version != VERSION {
-        Err("its format has another version")
-    } else if from != guid.0 {
-        Err("it comes from an FMU with another GUID")
-    } else if body.len() as u64 != u64::from(length) {
-        Err("its length is wrong")
-    } else if CRC.checksum(body) != crc {
-        Err("its checksum is wrong")
-    } else {
-        Ok(body)
-    }
+    archive.position
 }

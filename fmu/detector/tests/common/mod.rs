@@ -16,9 +16,9 @@ use steerguard_detector::{
     Actuator, Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, TsModel,
     Vehicle,
 };
-use steerguard_fmi2::Block;
 use steerguard_fmi2::types::*;
 use steerguard_fmu::{BakedDesign, DetectorModel};
+use steerguard_fmu_core::Block;
 use steerguard_model_description::VariableSet;
 use steerguard_model_description::detector::DetectorVariable;
 

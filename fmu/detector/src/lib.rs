@@ -1,4 +1,4 @@
-//! The steering-fault detector as an FMI 2.0 model, and the numbers that are baked into its library.
+//! The steering-fault detector as an FMU model, and the numbers that are baked into its library.
 //!
 //! # Conventions
 //! - `doStep` runs the detector on its own grid; its outputs are those of the last sample run.

@@ -4,8 +4,8 @@ use steerguard_detector::{
     Actuator, Configuration, ConfigurationError, Deviations, Evaluation, Gains, Gust, Interval,
     OperatingRange, RULES, TsModel, Uncertainty, Vehicle,
 };
-use steerguard_fmi2::Archive;
-use steerguard_fmi2::archive::{read_fields, write_fields};
+use steerguard_fmu_core::Archive;
+use steerguard_fmu_core::fields::{read_fields, write_fields};
 
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
@@ -59,7 +59,7 @@ impl BakedDesign {
     /// Length of an encoded design, bytes.
     pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 2;
 
-    /// The design as payload for [`steerguard_fmi2::seal`].
+    /// The design as payload for [`steerguard_fmu_core::seal`].
     ///
     /// # Errors
     /// [`DesignError`] if the library would refuse it.

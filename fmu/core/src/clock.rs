@@ -2,7 +2,7 @@
 //!
 //! Sample k is at `start + k period`, k an integer: no time is ever summed up here.
 
-use crate::Archive;
+use crate::{Archive, Text};
 
 /// Samples this close to the end of a step, in sample periods, belong to the next step.
 const SAMPLE_TOLERANCE: f64 = 1e-6;
@@ -14,7 +14,7 @@ const LONGEST_RUN: u64 = 1 << 40;
 
 /// Why a communication step is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum StepRefusal {
+pub enum StepRefusal {
     /// The step size is not positive, or a time is not finite.
     NotASpan,
     /// The step does not begin where the last one ended: that time, s.
@@ -25,38 +25,56 @@ pub(crate) enum StepRefusal {
     TooFar,
 }
 
+impl StepRefusal {
+    /// Says why a step of `size` s from `point` is refused.
+    pub fn describe(self, point: f64, size: f64, text: &mut Text) {
+        text.str("a step of ").real(size).str(" s from ").real(point).str(" s ");
+        match self {
+            Self::NotASpan => text.str("is not a positive, finite span of time"),
+            Self::WrongPoint(expected) => {
+                text.str("does not begin where the last one ended, at ").real(expected).str(" s")
+            }
+            Self::PastStopTime(stop) => text.str("ends after the stop time ").real(stop).str(" s"),
+            Self::TooFar => text.str("ends too far from the start time"),
+        };
+    }
+}
+
 /// An accepted communication step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Step {
+pub struct Step {
     /// Where it begins, s.
-    pub(crate) point: f64,
+    pub point: f64,
     /// Where it ends, s.
-    pub(crate) end: f64,
+    pub end: f64,
     /// It begins noticeably, but by less than half a sample period, beside the end of the last one.
-    pub(crate) displaced: bool,
+    pub displaced: bool,
 }
 
 /// Where a run stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Clock {
+pub struct Clock {
     /// Start time, s: sample 0.
-    pub(crate) start: f64,
+    pub start: f64,
     /// Stop time, s.
-    pub(crate) stop: Option<f64>,
+    pub stop: Option<f64>,
     /// Time up to which steps have succeeded, s.
-    pub(crate) point: f64,
+    pub point: f64,
     /// Index of the next sample.
-    pub(crate) next_sample: u64,
+    pub next_sample: u64,
 }
 
 impl Clock {
     /// A run from `start` to `stop`, s, that has not begun.
-    pub(crate) fn new(start: f64, stop: Option<f64>) -> Self {
+    pub fn new(start: f64, stop: Option<f64>) -> Self {
         Self { start, stop, point: start, next_sample: 0 }
     }
 
-    /// Judges a communication step of `size` s from `point`.
-    pub(crate) fn step(&self, point: f64, size: f64, period: f64) -> Result<Step, StepRefusal> {
+    /// Judges a communication step of `size` s from `point`, of samples `period` s apart.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn step(&self, point: f64, size: f64, period: f64) -> Result<Step, StepRefusal> {
         let end = point + size;
         if !(size > 0.0 && end.is_finite()) {
             return Err(StepRefusal::NotASpan);
@@ -76,12 +94,13 @@ impl Clock {
     }
 
     /// Time of the next sample, if it falls before `end`; s.
-    pub(crate) fn sample_before(&self, end: f64, period: f64) -> Option<f64> {
+    pub fn sample_before(&self, end: f64, period: f64) -> Option<f64> {
         let time = self.start + self.next_sample as f64 * period;
         (time < end - SAMPLE_TOLERANCE * period).then_some(time)
     }
 
-    pub(crate) fn archive(&mut self, archive: &mut Archive<'_>) {
+    /// All fields, for saving and restoring.
+    pub fn archive(&mut self, archive: &mut Archive<'_>) {
         archive.finite(&mut self.start);
         archive.optional(&mut self.stop, |archive, stop| archive.finite(stop));
         archive.finite(&mut self.point);
