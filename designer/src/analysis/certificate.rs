@@ -8,12 +8,11 @@
 use serde::{Deserialize, Serialize};
 use steerguard_detector::RULES;
 
-use crate::lmi::{Affine, Matrix, smallest_eigenvalue};
+use crate::lmi::affine::Affine;
+use crate::lmi::matrix::{Matrix, matrix, smallest_eigenvalue};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::solve::Lyapunov;
-use crate::synthesis::theorem4::{
-    Attenuation, Quantities, Theorem4, Units, VERTICES_OF_RHO, matrix,
-};
+use crate::synthesis::theorem4::{Attenuation, Quantities, Theorem4, Units, VERTICES_OF_RHO};
 
 /// Largest error accepted in the observer equation (13).
 pub const OBSERVER_EQUATION_TOLERANCE: f64 = 1e-10;

@@ -30,12 +30,14 @@ use steerguard_detector::RULES;
 use crate::analysis::certificate::{ErrorDynamics, error_dynamics};
 use crate::analysis::frequency::{Frozen, discrete_lyapunov};
 use crate::analysis::operating_point::{spectral_radius, square};
-use crate::lmi::{self, Affine, Matrix, Variables, beside, smallest_eigenvalue};
+use crate::lmi::affine::{Affine, Variables};
+use crate::lmi::matrix::{Matrix, beside, matrix, rows, smallest_eigenvalue};
+use crate::lmi::solve::{minimise, minimise_with_cuts};
 use crate::problem::band::Band;
 use crate::problem::channel::Channel;
 use crate::problem::inputs::Inputs;
-use crate::synthesis::gains::{ObserverGains, rows};
-use crate::synthesis::theorem4::{Theorem4, for_all, matrix};
+use crate::synthesis::gains::ObserverGains;
+use crate::synthesis::theorem4::{Theorem4, for_all};
 
 /// Strict inequalities are solved as `X >= MARGIN I`, in units in which residual and input are of
 /// magnitude one: what the solver's own tolerance may violate them by is smaller.
@@ -190,7 +192,7 @@ pub fn decay_certificate(theorem: &Theorem4, gains: &ObserverGains) -> Option<[M
         ]);
         inequalities.push(x - &margin_of(6));
     });
-    let solution = lmi::minimise(&variables, &-&margin, &inequalities).ok()?;
+    let solution = minimise(&variables, &-&margin, &inequalities).ok()?;
     let holds = solution.is_candidate() && margin.at(&solution.x)[0] > DECAY_MARGIN;
     holds.then(|| p.map(|p| congruent(&inverse, &p.at(&solution.x))))
 }
@@ -435,7 +437,7 @@ impl Problem {
         inequalities.push(Affine::number(LARGEST_MARGIN) - &margin);
         let further = with_margin(&conditions[1]);
         let solution =
-            lmi::minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
+            minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
         let at = |expression: &Affine| expression.at(&solution.x);
         if !solution.is_candidate() || at(&squared)[0] <= 0.0 {
             return Err(NoCertificate::Status(solution.status, solution.iterations));

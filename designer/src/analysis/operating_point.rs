@@ -15,7 +15,7 @@
 use nalgebra::{Complex, Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2, Vector3};
 use steerguard_detector::{C, Gains, Interval, RULES, TsModel};
 
-use crate::lmi::Matrix;
+use crate::lmi::matrix::Matrix;
 use crate::problem::channel::{Channel, premise_sensitivity};
 use crate::synthesis::theorem4::g_rho;
 

@@ -15,8 +15,10 @@ use steerguard_detector::{C, Evaluation, RULES, StartUp};
 
 use crate::analysis::certificate::{ErrorDynamics, Margin};
 use crate::analysis::operating_point::{spectral_radius, square};
-use crate::lmi::{self, Affine, Matrix, Variables};
-use crate::synthesis::theorem4::{for_all, matrix};
+use crate::lmi::affine::{Affine, Variables};
+use crate::lmi::matrix::{Matrix, matrix};
+use crate::lmi::solve::minimise;
+use crate::synthesis::theorem4::for_all;
 
 /// Decay rates tried between the slowest mode's and the design's.
 const DECAY_RATES: u32 = 12;
@@ -97,7 +99,7 @@ fn bound_at(
         *inequality = &*inequality - &(Matrix::identity(3, 3) * MARGIN).into();
     }
     inequalities.extend(p.iter().map(|p| &largest - &(&e_2.transpose() * &(p * &e_2))));
-    let solution = lmi::minimise(&variables, &largest, &inequalities).ok()?;
+    let solution = minimise(&variables, &largest, &inequalities).ok()?;
     if !solution.is_candidate() {
         return None;
     }

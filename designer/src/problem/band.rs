@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::lmi::Affine;
+use crate::lmi::affine::Affine;
 
 /// A frequency range of an input, in radians a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,7 @@
 
 use steerguard_detector::{Interval, TsModel};
 
-use crate::lmi::{Matrix, beside};
+use crate::lmi::matrix::{Matrix, beside};
 use crate::problem::band::Band;
 
 /// Inputs of one band, stacked: disturbances or faults by their direction, noise by its signal.

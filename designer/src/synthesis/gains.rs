@@ -2,8 +2,7 @@
 
 use steerguard_detector::{C, Gains, RULES};
 
-use crate::lmi::Matrix;
-use crate::synthesis::theorem4::matrix;
+use crate::lmi::matrix::{Matrix, matrix, rows};
 
 /// Gains of the observer (10), and the H_i they were made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,9 +51,4 @@ impl ObserverGains {
         let error = |i: usize| &m * &a[i] - matrix(&n[i]) * &m - matrix(&l[i]) * matrix(&C);
         (0..RULES).map(|i| error(i).amax()).fold(0.0, f64::max)
     }
-}
-
-/// A matrix as its rows.
-pub fn rows<const R: usize, const K: usize>(x: &Matrix) -> [[f64; K]; R] {
-    std::array::from_fn(|row| std::array::from_fn(|column| x[(row, column)]))
 }

@@ -3,7 +3,9 @@
 use clarabel::solver::{SolverError, SolverStatus};
 use steerguard_detector::RULES;
 
-use crate::lmi::{self, Affine, Matrix, Variables};
+use crate::lmi::affine::{Affine, Variables};
+use crate::lmi::matrix::Matrix;
+use crate::lmi::solve::minimise_with_cuts;
 use crate::problem::channel::Channel;
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::{Attenuation, Quantities, Theorem4, Units};
@@ -157,8 +159,7 @@ pub fn solve(theorem: &Theorem4, goal: Goal) -> Result<Synthesis, NoSolution> {
         *inequality = &*inequality - &(Matrix::identity(order, order) * MARGIN).into();
     }
 
-    let solution =
-        lmi::minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
+    let solution = minimise_with_cuts(&variables, &objective, inequalities, further, MARGIN / 2.0)?;
     if !solution.is_candidate() {
         return Err(NoSolution::Status(solution.status, solution.iterations));
     }
