@@ -2,10 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "common/designed.rs"]
+mod designed;
+
 use std::sync::OnceLock;
 
 use steerguard_designer::analysis::certificate::{check, error_dynamics};
 use steerguard_designer::lmi::matrix::matrix;
+use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::spec::{
     ActuatorTable, Calibration, Evaluation, Manoeuvre, ThresholdKind, UncertaintyTable,
 };
@@ -18,6 +22,8 @@ use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, Obstacle, Spec, Step, design,
 };
 use steerguard_detector::{Detector, Initialisation, Monitor, rk4};
+
+use designed::designed;
 
 /// The paper's case with few drives in the calibration, among them the worst.
 fn spec() -> Spec {
@@ -33,10 +39,6 @@ fn spec() -> Spec {
         ..Calibration::default()
     };
     spec
-}
-
-fn designed(spec: &Spec) -> Result<Design, DesignError> {
-    design(spec, &mut |_| {})
 }
 
 fn papers_design() -> &'static Design {
@@ -77,7 +79,7 @@ fn frozen_gains_lie_within_what_is_certified() {
 
 /// Theorem and numbers of a design, from its file alone.
 fn from_file(design: &Design) -> (Theorem4, ObserverGains, Lyapunov) {
-    let theorem = design.spec.theorem(&design.spec.inputs().unwrap());
+    let theorem = Theorem4::of(&design.spec, &Inputs::of(&design.spec).unwrap());
     let gains = ObserverGains {
         gains: design.configuration().gains,
         h: design.vertices.map(|rule| rule.h),
@@ -288,7 +290,7 @@ fn an_actuator_changes_the_threshold_little_and_nothing_else() {
 
 #[test]
 fn same_specification_gives_the_same_bytes() {
-    let again = designed(&spec()).unwrap();
+    let again = design(&spec(), &mut |_| {}).unwrap();
     assert_eq!(again.to_json().unwrap(), papers_design().to_json().unwrap());
 }
 
