@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, value_parser};
+use steerguard_model_description::names;
 
 use crate::campaign::Shard;
 use crate::campaign::settings::FaultMix;
@@ -87,7 +88,7 @@ pub struct PackageArguments {
     /// Design file (.json), or a specification (.toml) to be designed first
     pub design: PathBuf,
     /// FMU to write
-    #[arg(short, long, value_name = "FILE", default_value = "SteeringFaultDetector.fmu")]
+    #[arg(short, long, value_name = "FILE", default_value = names::DETECTOR_FILE)]
     pub output: PathBuf,
     /// Write the reference vehicle's FMU as well
     #[arg(long, value_name = "FILE")]

@@ -8,6 +8,8 @@ use steerguard_designer::Design;
 use steerguard_designer::spec::UncertaintyTable;
 
 use super::{input, package, print, simulate};
+use steerguard_model_description::names;
+
 use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
 use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};
@@ -106,8 +108,8 @@ fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> Uncert
 fn bench(design: &Design, settings: Settings) -> Result<(TestBench, Manifest), Failure> {
     let folder = tempfile::tempdir()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
-    let detector = folder.path().join("SteeringFaultDetector.fmu");
-    let plant = folder.path().join("VehiclePlant.fmu");
+    let detector = folder.path().join(names::DETECTOR_FILE);
+    let plant = folder.path().join(names::PLANT_FILE);
     package::detector(design, &Runtimes::detector(), &detector)?;
     package::plant(&plant)?;
     let read = |path| std::fs::read(path).map_err(Failure::bad);

@@ -12,9 +12,7 @@
 
 use std::fmt::Write as _;
 
-use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle,
-};
+use steerguard_detector::{Actuator, Configuration, ConfigurationError, Detector, Output, Vehicle};
 use steerguard_plant::dynamics::{DeadTime, Dynamics, Excitation, INTERNAL_STEP_S, PlantState};
 
 use crate::drive::scenario::Scenario;
@@ -138,12 +136,7 @@ fn excitation(scenario: &Scenario, vehicle: &Vehicle, speed: f64, time_s: f64) -
 
 fn results(output: &Output) -> [f64; 6] {
     let [v_x, r] = output.residual;
-    let state = match output.monitor {
-        Monitor::Starting => 1.0,
-        Monitor::Monitoring => 2.0,
-        Monitor::OutOfRange => 3.0,
-        Monitor::InvalidInput => 4.0,
-    };
+    let state = f64::from(steerguard_fmu::state(output.monitor).value());
     [v_x, r, output.j_rms, output.j_th, f64::from(u8::from(output.alarm)), state]
 }
 

@@ -16,8 +16,8 @@ use steerguard_fmi2::pointers;
 use steerguard_fmi2::types::{
     fmi2CallbackFunctions, fmi2CoSimulation, fmi2False, fmi2Status, fmi2True,
 };
-use steerguard_model_description::VariableSet;
 use steerguard_model_description::detector::DetectorVariable as V;
+use steerguard_model_description::{VariableSet, names};
 
 /// Why there is nothing to measure.
 pub type Error = Box<dyn std::error::Error>;
@@ -56,7 +56,7 @@ impl Detector {
         let guid = CString::new(guid.ok_or("no guid")?)?;
         let platform = Platform::HOST.ok_or("FMUs do not run here")?;
         let mut library = tempfile::NamedTempFile::new()?;
-        let name = platform.library_path("SteeringFaultDetector");
+        let name = platform.library_path(names::DETECTOR);
         std::io::copy(&mut archive.by_name(&name)?, &mut library)?;
 
         let code = load(library.path())?;
