@@ -8,11 +8,15 @@
 //!   has two values at most, and for a held command x runs along a ramp, then along an exponential.
 //! - Inside: times in sampling periods, rates in rad a sampling period.
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 /// Longest dead time, sampling periods.
 pub const MAX_DELAY_SAMPLES: usize = 256;
 
 /// An actuator's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Actuator {
     /// Time constant of the first-order lag, s; not negative.
     pub lag_s: f64,

@@ -7,6 +7,9 @@
 //!   their bounds, which raise the threshold; the smallest fault of interest, which says what the
 //!   threshold still lets through. METHOD.md 6.
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 use crate::{Actuator, Evaluation, Input, Observer, Rms, TsModel, Vehicle, VehicleState};
 
 /// Number of uncertainties.
@@ -14,6 +17,7 @@ pub const UNCERTAINTIES: usize = 7;
 
 /// What is not known of vehicle, road and air: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Uncertainty {
     /// Largest `|M_v / M_v' - 1|` of the true mass M_v'; I_e goes with the mass.
     pub mass: f64,
@@ -35,6 +39,7 @@ pub struct Uncertainty {
 
 /// A gust across the road: side force `coefficient w sqrt(v_x^2 + w^2)`, `w` its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Gust {
     /// Speed w, m/s.
     pub speed_m_per_s: f64,
@@ -113,6 +118,7 @@ impl Uncertainty {
 
 /// What the detector is told of deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Deviations {
     /// Whether the response to Euler's remainder is taken out of the residual.
     pub euler_correction: bool,

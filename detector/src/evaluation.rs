@@ -1,5 +1,8 @@
 //! Residual evaluation: windowed RMS, and the threshold's start-up term (METHOD.md 6).
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 use crate::Measurement;
 
 /// Longest window, samples.
@@ -7,6 +10,7 @@ pub const MAX_WINDOW: usize = 256;
 
 /// How the residual is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Evaluation {
     /// Window of the RMS, samples, `1..=MAX_WINDOW`.
     pub window: usize,

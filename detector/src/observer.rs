@@ -1,11 +1,15 @@
 //! Unknown-input-like fuzzy observer (10) with gains (11)-(13).
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 use crate::algebra::{blend, product, sum};
 use crate::ts_model::{Columns, RULES, TsModel};
 use crate::{Input, Measurement, VehicleState};
 
 /// Gains of the observer (10).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Gains {
     /// N_i, 3 x 3 each.
     pub n: [[[f64; 3]; 3]; RULES],

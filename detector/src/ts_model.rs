@@ -6,6 +6,9 @@
 //! # Conventions
 //! Rule order: (v_x min, r min), (v_x min, r max), (v_x max, r min), (v_x max, r max).
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 use crate::algebra::{blend, product, sum};
 use crate::{Input, Interval, Measurement, OperatingRange, Vehicle, VehicleState};
 
@@ -24,6 +27,7 @@ pub(crate) struct Columns {
 
 /// The discrete-time N-TS model of a vehicle on an operating range.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct TsModel {
     /// Vehicle data.
     pub vehicle: Vehicle,

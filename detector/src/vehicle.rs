@@ -1,5 +1,8 @@
 //! Nonlinear two-degree-of-freedom vehicle model with longitudinal speed, (1)-(3).
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 use crate::algebra::sum;
 
 /// State `x = [v_x, v_y, r]` in m/s, m/s, rad/s.
@@ -11,6 +14,7 @@ pub type Input = [f64; 2];
 
 /// Vehicle data, Table 1 of the paper. All values positive and finite; drags may be zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Vehicle {
     /// M_v, kg.
     pub mass_kg: f64,

@@ -1,4 +1,4 @@
-//! Reference vehicle plant as an FMI 2.0 Co-Simulation model, on the detector's FMI layer.
+//! Reference vehicle plant as an FMU model.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -6,8 +6,7 @@
 //! - The noise value of time t is number `floor(t / noise.sample_period)` since the start.
 
 use steerguard_detector::Vehicle;
-use steerguard_fmi2::types::fmi2Status;
-use steerguard_fmi2::{Archive, Log, Model};
+use steerguard_fmu_core::{Archive, Log, Model, Status};
 use steerguard_model_description::{ModelInfo, Value, VariableSet};
 
 use crate::dynamics::{
@@ -187,19 +186,19 @@ impl Model for PlantModel {
         Ok(())
     }
 
-    fn sample(&mut self, log: &Log<'_>) -> fmi2Status {
+    fn sample(&mut self, log: &Log<'_>) -> Status {
         let settings = &self.settings;
         if !settings.inputs_are_finite() {
             log.error(|text| {
                 text.str("an input is not finite: the vehicle cannot go on");
             });
-            return fmi2Status::fmi2Error;
+            return Status::Error;
         }
         let delta = self.dead_time.pass(settings.excitation.delta);
         let excitation = Excitation { delta, ..settings.excitation };
         self.state = settings.dynamics.step(self.state, &excitation);
         self.step += 1;
-        fmi2Status::fmi2OK
+        Status::Ok
     }
 
     fn archive(&mut self, archive: &mut Archive<'_>) {
