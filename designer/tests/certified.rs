@@ -120,7 +120,7 @@ fn two_disturbances_reach_the_reference_gap() {
     near(certified.gap, 9.645, 1e-3);
     assert_eq!(design.synthesis.status, DesignStatus::Certified);
     let verdict = verify(&design.to_json().unwrap()).unwrap();
-    assert_eq!(verdict.figures.gap, certified.gap);
+    assert_eq!(verdict.figures.unwrap().gap, certified.gap);
     assert_eq!(verdict.hash, design.hash);
 }
 

@@ -45,7 +45,7 @@ fn detector(actuator: &str) -> (Fmu, f64) {
     let design = design(&Spec::from_toml(&format!("{actuator}\n{PAPER}")).unwrap(), &mut |_| {});
     let design = design.unwrap();
     let bytes = detector_fmu(&baked(&design).unwrap(), &[], &Runtimes::detector()).unwrap();
-    (open(&bytes), design.evaluation.threshold)
+    (open(&bytes), design.detector.evaluation.threshold)
 }
 
 /// The largest J from the start of `course` on: command and fault by the time since then.

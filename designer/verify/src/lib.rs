@@ -51,7 +51,7 @@ pub use exact::NotPositive;
 pub use family::{Combination, Family};
 pub use identity::{FORMAT, content_hash};
 pub use proof::Figures;
-pub use read::Status;
+pub use read::{Status, content, parse};
 pub use refusal::Refusal;
 pub use tally::Margin;
 pub use verdict::Verdict;
@@ -67,7 +67,7 @@ pub fn verify(design: &str) -> Result<Verdict, Refusal> {
     model::check(&design)?;
     detector::check(&design)?;
     let residues = dynamics::residues(&design)?;
-    figures::check(&design)?;
     let proof = proof::prove(&design)?;
+    figures::check(&design)?;
     Verdict::new(&design, hash, residues, proof)
 }

@@ -9,7 +9,7 @@ use crate::exact::{Rational, approximate, exact};
 use crate::family::Family;
 use crate::gains::prove_gain;
 use crate::peaks::prove_peaks;
-use crate::read::{APosteriori, Certified, Design};
+use crate::read::{APosteriori, Certified, Design, Status};
 use crate::refusal::Refusal;
 use crate::tally::Margin;
 
@@ -44,6 +44,7 @@ pub struct Proof {
 /// [`Refusal`]: the first inequality that does not hold.
 pub fn prove(design: &Design) -> Result<Proof, Refusal> {
     let dynamics = &ErrorDynamics::new(design);
+    check_status(design)?;
     check_amplitude(design)?;
     let claimed =
         design.performance.certified.as_ref().zip(design.certificate.a_posteriori.as_ref());
@@ -53,6 +54,22 @@ pub fn prove(design: &Design) -> Result<Proof, Refusal> {
     };
     proof.margins.extend(prove_peaks(dynamics, design)?);
     Ok(proof)
+}
+
+/// Figures are claimed as certified where the status says so, and only there.
+fn check_status(design: &Design) -> Result<(), Refusal> {
+    let certified = design.synthesis.status == Status::Certified;
+    for (key, present) in [
+        ("performance.certified", design.performance.certified.is_some()),
+        ("certificate.a_posteriori", design.certificate.a_posteriori.is_some()),
+    ] {
+        match (certified, present) {
+            (true, false) => return Err(Refusal::NoCertificate { key }),
+            (false, true) => return Err(Refusal::Unproven { key }),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// The proof of a design that claims no figures: of decay and start-up alone.

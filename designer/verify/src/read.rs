@@ -450,23 +450,7 @@ pub struct BandCertificate {
 impl Design {
     /// Reads `text`, refusing another format and another hash than its content's.
     pub fn read(text: &str) -> Result<(Self, String), Refusal> {
-        if text.trim().is_empty() {
-            return Err(Refusal::Empty);
-        }
-        // Everything is read from the one value that the hash is taken of.
-        let content: Value = serde_json::from_str(text).map_err(|error| match error.is_eof() {
-            true => Refusal::Truncated(error),
-            false => Refusal::Unreadable(error),
-        })?;
-        let found = content["format"].as_str().ok_or(Refusal::NoFormat)?;
-        if found != FORMAT {
-            return Err(Refusal::Format { found: found.into() });
-        }
-        let hash = content_hash(&content)?;
-        let stored = content["hash"].as_str().unwrap_or_default();
-        if stored != hash {
-            return Err(Refusal::Hash { stored: stored.into(), computed: hash });
-        }
+        let (content, hash) = content(text)?;
         let design: Self = serde_path_to_error::deserialize(content)?;
         for (key, empty) in [
             ("spec.fault", design.spec.fault.is_empty()),
@@ -489,6 +473,51 @@ impl Design {
     pub fn f(&self) -> Result<Matrix, Refusal> {
         columns(&self.f, self.spec.fault.len())
             .ok_or(Refusal::Shape { key: "F", expected: "a column of each fault" })
+    }
+}
+
+/// The JSON of a design of any version, and its format. Zero has no sign in it, as in its hash.
+///
+/// # Errors
+/// [`Refusal`] for what is no design.
+pub fn parse(text: &str) -> Result<(Value, String), Refusal> {
+    if text.trim().is_empty() {
+        return Err(Refusal::Empty);
+    }
+    let mut content: Value = serde_json::from_str(text).map_err(|error| match error.is_eof() {
+        true => Refusal::Truncated(error),
+        false => Refusal::Unreadable(error),
+    })?;
+    let format = content["format"].as_str().ok_or(Refusal::NoFormat)?.to_owned();
+    drop_signs_of_zero(&mut content);
+    Ok((content, format))
+}
+
+/// The JSON of a design of this version, and its hash, which is right.
+///
+/// # Errors
+/// [`Refusal`] for what is no design, another format, and another hash than the content's.
+pub fn content(text: &str) -> Result<(Value, String), Refusal> {
+    let (content, found) = parse(text)?;
+    if found != FORMAT {
+        return Err(Refusal::Format { found });
+    }
+    let hash = content_hash(&content)?;
+    let stored = content["hash"].as_str().unwrap_or_default();
+    if stored != hash {
+        return Err(Refusal::Hash { stored: stored.into(), computed: hash });
+    }
+    Ok((content, hash))
+}
+
+fn drop_signs_of_zero(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.is_f64() && number.as_f64() == Some(0.0) => {
+            *value = 0.0.into();
+        }
+        Value::Array(elements) => elements.iter_mut().for_each(drop_signs_of_zero),
+        Value::Object(keys) => keys.values_mut().for_each(drop_signs_of_zero),
+        _ => {}
     }
 }
 
