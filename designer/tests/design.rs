@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 
 use steerguard_designer::analysis::certificate::{check, error_dynamics};
 use steerguard_designer::lmi::matrix::matrix;
+use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::spec::{
     ActuatorTable, Calibration, Evaluation, Manoeuvre, ThresholdKind, UncertaintyTable,
 };
@@ -77,7 +78,7 @@ fn frozen_gains_lie_within_what_is_certified() {
 
 /// Theorem and numbers of a design, from its file alone.
 fn from_file(design: &Design) -> (Theorem4, ObserverGains, Lyapunov) {
-    let theorem = design.spec.theorem(&design.spec.inputs().unwrap());
+    let theorem = Theorem4::of(&design.spec, &Inputs::of(&design.spec).unwrap());
     let gains = ObserverGains {
         gains: design.configuration().gains,
         h: design.vertices.map(|rule| rule.h),

@@ -22,7 +22,7 @@ use steerguard_detector::{
     Monitor, Output, Vehicle, VehicleState, rk4,
 };
 
-use crate::spec::{Calibration, Manoeuvre, Noise, Spec, UncertaintyTable};
+use crate::spec::{Manoeuvre, Noise, Spec, UncertaintyTable};
 use crate::threshold::gust::Gusts;
 
 /// Longest integration step, s.
@@ -107,7 +107,7 @@ pub fn drives(spec: &Spec) -> Vec<Drive> {
 
     let mut drives = Vec::new();
     for v_x_m_per_s in spread(armed.min, armed.max, c.speeds) {
-        for (manoeuvre, lateral_acceleration_m_per_s2) in courses(c) {
+        for (manoeuvre, lateral_acceleration_m_per_s2) in c.courses() {
             for disturbance in &waves {
                 for &v_y_m_per_s in &c.initial_v_y_m_per_s {
                     drives.push(Drive {
@@ -122,26 +122,6 @@ pub fn drives(spec: &Spec) -> Vec<Drive> {
         }
     }
     drives
-}
-
-/// How many drives the specification asks for.
-pub fn count(spec: &Spec) -> usize {
-    let c = &spec.evaluation.calibration;
-    let signs = 1_usize << spec.disturbance.len().saturating_sub(1);
-    [c.disturbance_frequencies, c.disturbance_phases, signs, c.initial_v_y_m_per_s.len()]
-        .into_iter()
-        .fold(c.speeds.saturating_mul(courses(c).count()), usize::saturating_mul)
-}
-
-/// Manoeuvres with their lateral accelerations.
-fn courses(c: &Calibration) -> impl Iterator<Item = (Manoeuvre, f64)> {
-    c.manoeuvres.iter().flat_map(|&manoeuvre| {
-        let accelerations = match manoeuvre {
-            Manoeuvre::Straight => &[0.0],
-            _ => c.lateral_acceleration_m_per_s2.as_slice(),
-        };
-        accelerations.iter().map(move |&a_y| (manoeuvre, a_y))
-    })
 }
 
 /// Frequencies and phases of the disturbances; of several, every pattern of signs relative to the

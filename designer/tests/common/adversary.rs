@@ -3,6 +3,7 @@
 use rand_distr::{Distribution, Uniform};
 use steerguard_designer::Design;
 use steerguard_designer::analysis::operating_point::{FrozenError, OperatingPoint};
+use steerguard_designer::problem::inputs::bounded_inputs;
 use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_detector::{Configuration, Detector, Deviations, Input, Monitor, VehicleState};
 
@@ -25,7 +26,7 @@ pub struct Inputs {
 
 impl Inputs {
     pub fn of(design: &Design) -> Self {
-        let inputs = design.spec.bounded_inputs();
+        let inputs = bounded_inputs(&design.spec);
         let n = inputs.len();
         let (mut d, mut d_y) = (Matrix3xX::zeros(n), Matrix2xX::zeros(n));
         for (column, input) in inputs.iter().enumerate() {
