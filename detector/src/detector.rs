@@ -190,6 +190,11 @@ impl Detector {
         Ok(())
     }
 
+    /// How the observer starts at the first sample.
+    pub const fn initialisation(&self) -> Initialisation {
+        self.initialisation
+    }
+
     /// Sets how the observer starts at the first sample.
     ///
     /// # Errors

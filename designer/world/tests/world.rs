@@ -1,7 +1,7 @@
 //! The world against formulas that stand beside it: steady turns, tyre limits, axle loads, symmetry.
 
 use proptest::prelude::*;
-use steerguard_detector::{Actuator, Vehicle, VehicleState};
+use steerguard_detector::{Actuator, StateVector, Vehicle};
 use steerguard_world::{
     Excitation, GRAVITY_M_PER_S2, STEP_S, State, Steering, TrueVehicle, Tyres, World,
     bank_m_per_s2, steady_angle,
@@ -10,7 +10,7 @@ use steerguard_world::{
 const LINEAR: World = World::of(TrueVehicle::linear(Vehicle::PAPER), Steering::DIRECT);
 
 /// `motion` after `steps` steps of 1 ms in `world`.
-fn run(world: &World, motion: VehicleState, excitation: &Excitation, steps: u32) -> VehicleState {
+fn run(world: &World, motion: StateVector, excitation: &Excitation, steps: u32) -> StateVector {
     let mut state = State::new(world, STEP_S, motion, excitation.command_rad);
     for _ in 0..steps {
         state.step(world, excitation, STEP_S);
@@ -140,7 +140,7 @@ fn tyres_dissipate() {
     };
     for tyres in [Tyres::Linear, Tyres::Saturating { friction: 0.8 }] {
         let world = World::of(TrueVehicle { tyres, ..TrueVehicle::linear(data) }, Steering::DIRECT);
-        let energy = |[v_x, v_y, r]: VehicleState| {
+        let energy = |[v_x, v_y, r]: StateVector| {
             0.5 * data.mass_kg * (v_x * v_x + v_y * v_y) + 0.5 * data.yaw_inertia_kg_m2 * r * r
         };
         let mut state = State::new(&world, STEP_S, [20.0, 2.0, -0.5], 0.0);
@@ -172,7 +172,7 @@ fn steps_converge_to_fourth_order() {
         state.motion
     };
     let [coarse, middle, fine] = [20, 40, 80].map(after);
-    let distance = |a: VehicleState, b: VehicleState| (a[1] - b[1]).hypot(a[2] - b[2]);
+    let distance = |a: StateVector, b: StateVector| (a[1] - b[1]).hypot(a[2] - b[2]);
     let order = (distance(coarse, middle) / distance(middle, fine)).log2();
     assert!((3.7..4.5).contains(&order), "order {order}");
 }

@@ -13,7 +13,8 @@
 use std::fmt::Write as _;
 
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle,
+    Actuator, Configuration, ConfigurationError, Detector, Input, Measurement, Monitor, Output,
+    Vehicle,
 };
 use steerguard_plant::dynamics::{DeadTime, Dynamics, Excitation, INTERNAL_STEP_S, PlantState};
 
@@ -54,12 +55,14 @@ pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
     let rows = drive(&model.vehicle, &design.actuator, initial, model.sampling_period_s, &scenario);
 
     let mut detector = Detector::new(design)?;
-    let mut output = detector.state.output;
+    let mut output = *detector.output();
     let (mut inputs, mut outputs) = (table(&DETECTOR_INPUTS), table(&DETECTOR_OUTPUTS));
     for Row { time_s, state: [v_x, _, r, _], next, .. } in rows {
         push(&mut inputs, time_s, &[v_x, r, next.t_eng, next.delta]);
         push(&mut outputs, time_s, &results(&output));
-        output = *detector.sample([v_x, r], [next.t_eng, next.delta]);
+        let y = Measurement { v_x_m_per_s: v_x, r_rad_per_s: r };
+        let u = Input { t_eng_n_m: next.t_eng, delta_rad: next.delta };
+        output = *detector.sample(y, u);
     }
     Ok([("_in.csv", inputs), ("_ref.csv", outputs)])
 }
@@ -137,7 +140,7 @@ fn excitation(scenario: &Scenario, vehicle: &Vehicle, speed: f64, time_s: f64) -
 }
 
 fn results(output: &Output) -> [f64; 6] {
-    let [v_x, r] = output.residual;
+    let [v_x, r] = output.residual.vector();
     let state = match output.monitor {
         Monitor::Starting => 1.0,
         Monitor::Monitoring => 2.0,

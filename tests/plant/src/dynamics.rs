@@ -7,7 +7,7 @@
 //! - As the detector's: ISO 8855 axes, SI units, angles at the road wheel.
 //! - Internal state `[v_x, v_y, r, delta_w]`, delta_w being the actuator's angle before the fault.
 
-use steerguard_detector::{Vehicle, VehicleState, rk4};
+use steerguard_detector::{StateVector, Vehicle, rk4};
 
 /// Step of the Runge-Kutta integration, s.
 pub const INTERNAL_STEP_S: f64 = 1e-3;
@@ -86,11 +86,12 @@ impl Dynamics {
         [v_x, v_y, r, delta_w]: PlantState,
         e: &Excitation,
         bank_m_per_s2: f64,
-    ) -> VehicleState {
+    ) -> StateVector {
         let vehicle = &self.vehicle;
-        let at_speed = [v_x.max(SLIP_SPEED_FLOOR_M_PER_S), v_y, r];
+        let at_speed = [v_x.max(SLIP_SPEED_FLOOR_M_PER_S), v_y, r].into();
         let forces = self.saturate(vehicle.axle_forces(at_speed, delta_w + e.fault));
-        let [v_x_dot, v_y_dot, r_dot] = vehicle.derivative_under([v_x, v_y, r], e.t_eng, forces);
+        let [v_x_dot, v_y_dot, r_dot] =
+            vehicle.derivative_under([v_x, v_y, r].into(), e.t_eng, forces);
         [
             v_x_dot,
             v_y_dot + e.side_force / vehicle.mass_kg + bank_m_per_s2,
