@@ -26,13 +26,13 @@ use steerguard_detector::{
 };
 
 mod common;
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 #[path = "common/s1.rs"]
 mod s1;
 
 use common::papers_but;
-use few_drives::designed_with_few_drives;
+use designed::designed_with_few_drives;
 use s1::S1;
 
 const MODEL: TsModel = TsModel::PAPER;

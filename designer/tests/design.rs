@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "common/designed.rs"]
+mod designed;
+
 use std::sync::OnceLock;
 
 use steerguard_designer::analysis::certificate::{check, error_dynamics};
@@ -20,6 +23,8 @@ use steerguard_designer::{
 };
 use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor, rk4};
 
+use designed::designed;
+
 /// The paper's case with few drives in the calibration, among them the worst.
 fn spec() -> Spec {
     let mut spec = Spec::paper();
@@ -34,10 +39,6 @@ fn spec() -> Spec {
         ..Calibration::default()
     };
     spec
-}
-
-fn designed(spec: &Spec) -> Result<Design, DesignError> {
-    design(spec, &mut |_| {})
 }
 
 fn papers_design() -> &'static Design {
@@ -295,7 +296,7 @@ fn an_actuator_changes_the_threshold_little_and_nothing_else() {
 
 #[test]
 fn same_specification_gives_the_same_bytes() {
-    let again = designed(&spec()).unwrap();
+    let again = design(&spec(), &mut |_| {}).unwrap();
     assert_eq!(again.to_json().unwrap(), papers_design().to_json().unwrap());
 }
 
