@@ -14,12 +14,12 @@
 
 pub mod analysis;
 mod design;
+pub mod document;
 pub mod lmi;
 pub mod problem;
 mod progress;
 pub mod search;
 pub mod spec;
-mod spec_error;
 pub mod synthesis;
 pub mod threshold;
 
@@ -32,6 +32,5 @@ pub use design::file::{
 pub use design::{DesignError, design};
 pub use progress::Step;
 pub use spec::Spec;
-pub use spec_error::SpecError;
 pub use synthesis::obstacle::Obstacle;
 pub use threshold::guaranteed::{Guaranteed, InputBound, PeakCertificate};

@@ -5,23 +5,25 @@
 #[path = "common/adversary.rs"]
 mod adversary;
 mod common;
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
 use steerguard_designer::lmi::matrix::matrix;
+use steerguard_designer::problem::inputs;
 use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::calibration::{Population, calibrate, drives};
 use steerguard_designer::threshold::guaranteed::peak_bounds;
-use steerguard_designer::{Design, DesignStatus, Spec, design};
+use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::verify;
 
 use adversary::{Inputs, drive, largest_j};
 use common::papers_but;
-use few_drives::designed_with_few_drives;
+use designed::{designed, designed_with_few_drives};
 
 const GUARANTEED: &str = "evaluation.threshold = \"guaranteed\"\n";
 /// Three standard deviations of the default's sensors.
@@ -90,7 +92,7 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     let mut spec = papers_but(GUARANTEED);
     spec.evaluation.calibration.speeds = 3;
     spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
-    let papers = design(&spec, &mut |_| {}).unwrap();
+    let papers = designed(&spec).unwrap();
     let bounded = papers.evaluation.guaranteed.as_ref().unwrap();
     let specified = Population::Specified;
     let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});
@@ -120,7 +122,7 @@ fn bounds_agree_with_an_independent_solver() {
     let fixture: Fixture = serde_json::from_str(include_str!("fixtures/peak_bounds.json")).unwrap();
     let noise = "noise.v_x.bound_m_per_s = 0.02\nnoise.r.bound_rad_per_s = 0.002\n";
     let spec = papers_but(&format!("{GUARANTEED}{noise}evaluation.weights = [0.1, 1.0]\n"));
-    let theorem = spec.theorem(&spec.inputs().unwrap());
+    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap());
     let h = fixture.h.each_ref().map(matrix);
     let gains = ObserverGains::new(&matrix(&fixture.e), &h, &theorem.a);
     let bounds = peak_bounds(&spec, &theorem, &gains).unwrap();
@@ -155,7 +157,7 @@ fn white_noise_without_a_bound_is_refused() {
 #[test]
 fn error_that_grows_has_no_bound() {
     let spec = papers_but(GUARANTEED);
-    let theorem = spec.theorem(&spec.inputs().unwrap());
+    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap());
     let none = matrix(&[[0.0; 2]; 3]);
     // Without injection N_i = A_i, which holds v_x and r for ever.
     let gains = ObserverGains::new(

@@ -18,10 +18,11 @@ use steerguard_detector::{Configuration, ConfigurationError, Evaluation, Gains, 
 use crate::analysis::certificate::{Check, Margin};
 use crate::analysis::certified::{APosteriori, CertifiedFigures};
 use crate::analysis::frequency::{Frozen, PointFigures};
+use crate::document::Mistakes;
 use crate::lmi::matrix::Rows3;
+use crate::problem::model::deviations;
 use crate::search::SearchRecord;
 use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
-use crate::spec_error::SpecError;
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
 
@@ -348,7 +349,7 @@ pub enum DesignFileError {
     Inconsistent(&'static str),
     /// Its specification is not possible.
     #[error("in `spec`: {0}")]
-    Spec(#[from] SpecError),
+    Spec(#[from] Mistakes),
     /// Its numbers cannot run.
     #[error(transparent)]
     Configuration(#[from] ConfigurationError),
@@ -431,7 +432,7 @@ impl Design {
                 start_up_decay: e.start_up.decay,
                 debounce_samples: e.debounce_samples,
             },
-            deviations: self.spec.deviations(),
+            deviations: deviations(&self.spec),
             actuator: self.spec.actuator.actuator(),
         }
     }

@@ -14,13 +14,14 @@ use crate::design::file::{
     AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
     FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
 };
+use crate::document::Mistakes;
 use crate::lmi::matrix::{Matrix, nested, rows};
 use crate::problem::band::Band;
-use crate::problem::inputs::Inputs;
+use crate::problem::inputs::{self, Inputs};
+use crate::problem::model;
 use crate::progress::Step;
 use crate::search::{SearchRecord, search};
 use crate::spec::{MethodName, Spec};
-use crate::spec_error::SpecError;
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
@@ -38,7 +39,7 @@ const SOLVER: &str = "clarabel 0.11";
 pub enum DesignError {
     /// The specification is not possible.
     #[error(transparent)]
-    Spec(#[from] SpecError),
+    Spec(#[from] Mistakes),
     /// The conditions contradict each other.
     #[error("the specification is infeasible: {0}")]
     Infeasible(Obstacle),
@@ -75,9 +76,9 @@ pub enum DesignError {
 /// the way), or one that the numerics cannot master.
 pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
     spec.check()?;
-    let model = spec.model();
-    let inputs = spec.inputs()?;
-    let theorem = spec.theorem(&inputs);
+    let model = model::model(spec);
+    let inputs = Inputs::of(spec)?;
+    let theorem = Theorem4::of(spec, &inputs);
 
     let found = match spec.design.method {
         MethodName::Paper => paper(spec, &theorem, &inputs, progress)?,
@@ -105,9 +106,9 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
         b: model.b(),
         g: model.g_phi().map(|g| [g]),
         c: C,
-        d: nested(&spec.d()),
-        d_y: Some(spec.d_y()).filter(|d_y| d_y.ncols() > 0).map(|d_y| nested(&d_y)),
-        f: nested(&spec.f()),
+        d: nested(&model::d(spec)),
+        d_y: Some(inputs::d_y(spec)).filter(|d_y| d_y.ncols() > 0).map(|d_y| nested(&d_y)),
+        f: nested(&model::f(spec)),
         e: gains.gains.e,
         m: gains.gains.m,
         evaluation,
@@ -205,7 +206,7 @@ fn paper(
     progress(Step::Certify);
     Ok(Found {
         gains: *gains,
-        worth: Worth::of(gains, theorem, &spec.model(), inputs),
+        worth: Worth::of(gains, theorem, &model::model(spec), inputs),
         p_s: lyapunov.p_s.clone(),
         check: Some(check),
         theorem: theorem.clone(),
@@ -227,7 +228,7 @@ fn by_gap(
     inputs: &Inputs,
     progress: &mut dyn FnMut(Step),
 ) -> Result<Found, DesignError> {
-    let found = search(theorem, &spec.model(), inputs, &spec.design, progress)
+    let found = search(theorem, &model::model(spec), inputs, &spec.design, progress)
         .ok_or_else(|| infeasible(spec, theorem))?;
     Ok(Found {
         gains: found.gains,
@@ -256,9 +257,9 @@ fn other_faults(
     gains: &ObserverGains,
     worth: &Worth,
     inputs: &Inputs,
-) -> Result<Vec<FaultFigures>, SpecError> {
-    let points = OperatingPoint::grid(&spec.model());
-    let channels = spec.fault_channels()?;
+) -> Result<Vec<FaultFigures>, Mistakes> {
+    let points = OperatingPoint::grid(&model::model(spec));
+    let channels = inputs::fault_channels(spec)?;
     let others = spec.fault.iter().zip(channels).skip(1);
     let figures = others.map(|(fault, channel)| {
         let inputs = Inputs { fault: channel, smallest_fault: fault.smallest(), ..inputs.clone() };
@@ -336,7 +337,7 @@ fn evaluate(
     .ok_or(DesignError::StartUp)?;
 
     let configuration = Configuration {
-        model: spec.model(),
+        model: model::model(spec),
         hysteresis: spec.operating_range.hysteresis(),
         gains: gains.gains,
         evaluation: Evaluation {
@@ -344,7 +345,7 @@ fn evaluate(
             start_up_decay: bound.decay,
             ..without_threshold
         },
-        deviations: spec.deviations(),
+        deviations: model::deviations(spec),
         actuator: spec.actuator.actuator(),
     };
     let Threshold { threshold, uncertainty_share, calibration, uncertain, guaranteed, peaks } =

@@ -1,4 +1,4 @@
-//! The simulated world as an FMI 2.0 Co-Simulation model, on the detector's FMI layer.
+//! The simulated world as an FMU model.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -8,9 +8,8 @@
 //! - Inputs that are not finite or beyond their limits are refused by the step, and so is a motion
 //!   that leaves the finite numbers: what was there before stays, and no output is ever NaN.
 
-use steerguard_detector::{Actuator, Vehicle};
-use steerguard_fmi2::types::fmi2Status;
-use steerguard_fmi2::{Archive, Log, Model};
+use steerguard_detector::{Actuator, StateVector, Vehicle, VehicleState};
+use steerguard_fmu_core::{Archive, Log, Model, Status};
 use steerguard_model_description::{Kind, ModelInfo, RealKind, Value, Variable, VariableSet};
 use steerguard_world::{
     Excitation, MAX_DEAD_TIME_STEPS, Readings, STEP_S, Sensor, Sensors, State, Steering,
@@ -39,7 +38,7 @@ struct Settings {
     sensors_held: bool,
     seed: i32,
     /// v_x, v_y, r at the start.
-    initial: [f64; 3],
+    initial: StateVector,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -173,8 +172,8 @@ pub struct PlantModel {
 
 impl PlantModel {
     /// `[v_x, v_y, r]` now.
-    fn motion(&self) -> [f64; 3] {
-        if self.started { self.state.motion } else { self.settings.initial }
+    fn motion(&self) -> StateVector {
+        if self.started { self.state.motion.vector() } else { self.settings.initial }
     }
 
     /// What the sensors show of `[v_x, r]` now.
@@ -201,9 +200,8 @@ impl PlantModel {
     }
 
     fn sample_sensors(&mut self) {
-        let [v_x, _, r] = self.state.motion;
-        let time_s = self.time_s();
-        self.readings.sample(&self.settings.sensors(), time_s, [v_x, r]);
+        let (time_s, truth) = (self.time_s(), self.state.motion.measured());
+        self.readings.sample(&self.settings.sensors(), time_s, truth.vector());
     }
 }
 
@@ -242,7 +240,7 @@ impl Model for PlantModel {
         Ok(Self {
             settings,
             started: false,
-            state: State::new(&settings.world(), STEP_S, initial, 0.0),
+            state: State::new(&settings.world(), STEP_S, initial.into(), 0.0),
             readings: Readings::default(),
             step: 0,
         })
@@ -293,7 +291,7 @@ impl Model for PlantModel {
     fn initialise(&mut self, _start_time_s: f64) -> Result<(), &'static str> {
         let settings = &self.settings;
         let command_rad = settings.admitted(PlantVariable::SteeringAngle);
-        self.state = State::new(&settings.world(), STEP_S, settings.initial, command_rad);
+        self.state = State::new(&settings.world(), STEP_S, settings.initial.into(), command_rad);
         self.readings = Readings::default();
         self.step = 0;
         self.started = true;
@@ -301,7 +299,7 @@ impl Model for PlantModel {
         Ok(())
     }
 
-    fn sample(&mut self, log: &Log<'_>) -> fmi2Status {
+    fn sample(&mut self, log: &Log<'_>) -> Status {
         let settings = &self.settings;
         if let Some((row, value)) = settings.refused_input() {
             log.error(|text| {
@@ -315,7 +313,7 @@ impl Model for PlantModel {
                     text.str(" to ").real(max);
                 }
             });
-            return fmi2Status::fmi2Error;
+            return Status::Error;
         }
         let world = settings.world();
         let Inputs { drive_torque_n_m, steering_rad, fault_rad, side_force_n, yaw_moment_n_m } =
@@ -328,20 +326,20 @@ impl Model for PlantModel {
         };
         let (motion, angle_rad) = (self.state.motion, self.state.steering.angle_rad);
         self.state.step(&world, &excitation, STEP_S);
-        if !self.state.motion.iter().all(|x| x.is_finite()) {
+        if !self.state.motion.vector().iter().all(|x| x.is_finite()) {
             self.state.motion = motion;
             self.state.steering.angle_rad = angle_rad;
-            let [v_x, v_y, r] = motion;
+            let [v_x, v_y, r] = motion.vector();
             log.error(|text| {
                 text.str("the motion leaves the finite numbers after v_x = ").real(v_x);
                 text.str(" m/s, v_y = ").real(v_y).str(" m/s, r = ").real(r).str(" rad/s: ");
                 text.str("vehicle.* and inputs are too far from those of a vehicle");
             });
-            return fmi2Status::fmi2Error;
+            return Status::Error;
         }
         self.step += 1;
         self.sample_sensors();
-        fmi2Status::fmi2OK
+        Status::Ok
     }
 
     fn archive(&mut self, archive: &mut Archive<'_>) {
@@ -357,7 +355,8 @@ impl Model for PlantModel {
         self.settings.seed = seed.cast_signed();
 
         archive.flag(&mut self.started);
-        for value in &mut self.state.motion {
+        let VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s } = &mut self.state.motion;
+        for value in [v_x_m_per_s, v_y_m_per_s, r_rad_per_s] {
             archive.finite(value);
         }
         let steering = &mut self.state.steering;

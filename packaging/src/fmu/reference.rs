@@ -13,7 +13,8 @@
 use std::fmt::Write as _;
 
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle, VehicleState,
+    Actuator, Configuration, ConfigurationError, Detector, Input, Monitor, Output, Vehicle,
+    VehicleState,
 };
 use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World};
 
@@ -48,18 +49,23 @@ pub fn speed_m_per_s(design: &Configuration) -> f64 {
 pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
     let scenario = Scenario::default();
     let speed = speed_m_per_s(design);
-    let initial =
-        [speed, scenario.initial_lateral_speed_m_per_s, scenario.initial_yaw_rate_rad_per_s];
+    let initial = VehicleState {
+        v_x_m_per_s: speed,
+        v_y_m_per_s: scenario.initial_lateral_speed_m_per_s,
+        r_rad_per_s: scenario.initial_yaw_rate_rad_per_s,
+    };
     let model = &design.model;
     let rows = drive(&model.vehicle, &design.actuator, initial, model.sampling_period_s, &scenario);
 
     let mut detector = Detector::new(design)?;
-    let mut output = detector.state.output;
+    let mut output = *detector.output();
     let (mut inputs, mut outputs) = (table(&DETECTOR_INPUTS), table(&DETECTOR_OUTPUTS));
-    for Row { time_s, motion: [v_x, _, r], next, .. } in rows {
+    for Row { time_s, motion, next, .. } in rows {
+        let [v_x, r] = motion.measured().vector();
         push(&mut inputs, time_s, &[v_x, r, next.drive_torque_n_m, next.steering_rad]);
         push(&mut outputs, time_s, &results(&output));
-        output = *detector.sample([v_x, r], [next.drive_torque_n_m, next.steering_rad]);
+        let u = Input { t_eng_n_m: next.drive_torque_n_m, delta_rad: next.steering_rad };
+        output = *detector.sample(motion.measured(), u);
     }
     Ok([("_in.csv", inputs), ("_ref.csv", outputs)])
 }
@@ -67,10 +73,10 @@ pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
 /// The files of `VehiclePlant.fmu`, for communication steps of `step_s`.
 pub fn plant(vehicle: &Vehicle, speed_m_per_s: f64, step_s: f64) -> Files {
     let (mut inputs, mut outputs) = (table(&PLANT_INPUTS), table(&PLANT_OUTPUTS));
-    for row in
-        drive(vehicle, &Actuator::NONE, [speed_m_per_s, 0.0, 0.0], step_s, &Scenario::default())
-    {
-        let Row { time_s, motion: [v_x, v_y, r], angle_rad, last, next } = row;
+    let initial = VehicleState { v_x_m_per_s: speed_m_per_s, ..VehicleState::default() };
+    for row in drive(vehicle, &Actuator::NONE, initial, step_s, &Scenario::default()) {
+        let Row { time_s, motion, angle_rad, last, next } = row;
+        let [v_x, v_y, r] = motion.vector();
         let Inputs { drive_torque_n_m, steering_rad, fault_rad, side_force_n, yaw_moment_n_m } =
             next;
         push(
@@ -86,7 +92,6 @@ pub fn plant(vehicle: &Vehicle, speed_m_per_s: f64, step_s: f64) -> Files {
 /// A communication point.
 struct Row {
     time_s: f64,
-    /// `[v_x, v_y, r]`.
     motion: VehicleState,
     /// Of the actuator.
     angle_rad: f64,
@@ -130,7 +135,7 @@ impl Inputs {
     }
 }
 
-/// The reference vehicle from `[v_x, v_y, r]` through the scenario.
+/// The reference vehicle from `initial` through the scenario.
 fn drive(
     vehicle: &Vehicle,
     actuator: &Actuator,
@@ -138,7 +143,7 @@ fn drive(
     step_s: f64,
     scenario: &Scenario,
 ) -> Vec<Row> {
-    let [v_x, ..] = initial;
+    let v_x = initial.v_x_m_per_s;
     let world = World::of(TrueVehicle::linear(*vehicle), Steering::of(*actuator));
     let inputs = |time_s| Inputs::at(scenario, vehicle, v_x, time_s);
     let mut last = inputs(0.0);
@@ -162,7 +167,7 @@ fn drive(
 }
 
 fn results(output: &Output) -> [f64; 6] {
-    let [v_x, r] = output.residual;
+    let [v_x, r] = output.residual.vector();
     let state = match output.monitor {
         Monitor::Starting => 1.0,
         Monitor::Monitoring => 2.0,
