@@ -25,7 +25,7 @@ TUNING = kalman.Tuning(*NOISE, acceleration=0.3, yaw_acceleration=0.3)
 
 @pytest.fixture(scope="module")
 def vehicle(design):
-    return kalman.Vehicle.of(design)
+    return kalman.Vehicle.of(design["detector"]["model"])
 
 
 @pytest.fixture(scope="module")
