@@ -376,7 +376,7 @@ fn specification_of_an_older_design_is_read() {
     let design = papers_design();
     let text = design.to_json().unwrap();
     let older =
-        text.replacen(FORMAT, "steerguard-design/1", 1).replacen("\"threshold\": ", "\"t\": ", 1);
+        text.replacen(FORMAT, "steerguard-design/1", 1).replacen("\"detector\": ", "\"d\": ", 1);
     assert_ne!(older, text);
     assert_eq!(Design::spec_from_json(&older).unwrap(), design.spec);
     let other = text.replacen(FORMAT, "another/1", 1);
