@@ -34,7 +34,7 @@ pub use tyre::Tyres;
 pub use vehicle::TrueVehicle;
 pub use wind::{CALM_S, GUST_S, Gusts, Wind};
 
-use steerguard_detector::StateVector;
+use steerguard_detector::{StateVector, VehicleState};
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 pub const GRAVITY_M_PER_S2: f64 = 9.80665;
@@ -81,8 +81,8 @@ pub struct Excitation {
 /// Where a drive stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// `[v_x, v_y, r]` in m/s, m/s, rad/s.
-    pub motion: StateVector,
+    /// The vehicle.
+    pub motion: VehicleState,
     /// The steering.
     pub steering: SteeringState,
 }
@@ -90,7 +90,7 @@ pub struct State {
 impl State {
     /// The beginning of a drive in `world` by steps of `step_s`: the steering has settled at
     /// `command_rad`.
-    pub fn new(world: &World, step_s: f64, motion: StateVector, command_rad: f64) -> Self {
+    pub fn new(world: &World, step_s: f64, motion: VehicleState, command_rad: f64) -> Self {
         Self { motion, steering: SteeringState::new(&world.steering, step_s, command_rad) }
     }
 
@@ -102,8 +102,8 @@ impl State {
         let [p_x, p_y, p_r] = push;
         let push = [p_x, p_y + bank_m_per_s2, p_r];
         let derivative = |x: StateVector, angle: f64| {
-            world.vehicle.derivative(x, drive_torque_n_m, angle + fault_rad, push)
+            world.vehicle.derivative(x.into(), drive_torque_n_m, angle + fault_rad, push)
         };
-        self.motion = integration::rk4(derivative, self.motion, angles, step_s);
+        self.motion = integration::rk4(derivative, self.motion.vector(), angles, step_s).into();
     }
 }
