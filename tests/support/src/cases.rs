@@ -18,9 +18,9 @@ pub struct Case {
     pub about: String,
     /// Where the expected figures come from.
     pub source: String,
-    /// Its specification, or the part of it that differs from the paper's.
+    /// Its specification in TOML: what differs from the paper's.
     #[serde(default)]
-    pub spec: toml::Table,
+    pub spec: String,
     expected: BTreeMap<String, Expected>,
 }
 
@@ -72,15 +72,6 @@ impl Case {
             );
         }
         case
-    }
-
-    /// Its specification as TOML, to stand before further tables.
-    ///
-    /// # Panics
-    /// Never for what [`Case::read`] has read.
-    #[must_use]
-    pub fn spec_text(&self) -> String {
-        toml::to_string(&self.spec).expect("a table that was read can be written")
     }
 
     /// The reference value of `figure`.
