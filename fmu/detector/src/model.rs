@@ -362,8 +362,9 @@ fn archive_actuator(state: &mut ActuatorState, delay: usize, archive: &mut Archi
 }
 
 fn archive_rms(rms: &mut Rms, window: usize, archive: &mut Archive<'_>) {
-    for square in rms.squares.iter_mut().take(window) {
-        archive.real(square);
+    let Rms { ring, next, newer } = rms;
+    for number in ring.iter_mut().take(window).chain([newer]) {
+        archive.real(number);
     }
-    archive.size(&mut rms.oldest);
+    archive.size(next);
 }
