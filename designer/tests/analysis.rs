@@ -24,7 +24,7 @@ use steerguard_detector::{
     Actuator, Configuration, Detector, Deviations, Evaluation, Input, Measurement, Monitor, RULES,
     TsModel, VehicleState,
 };
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 
 mod common;
 #[path = "common/designed.rs"]
@@ -247,7 +247,7 @@ fn with_method(text: &str, method: &str) -> Design {
 /// S1 by method "gap", with a second fault.
 fn s1_by_gap() -> &'static Design {
     static DESIGN: OnceLock<Design> = OnceLock::new();
-    DESIGN.get_or_init(|| with_method(&(Case::read("s1").spec + TORQUE), "gap"))
+    DESIGN.get_or_init(|| with_method(&(ReferenceCase::read("s1").spec + TORQUE), "gap"))
 }
 
 /// Every figure on the right side of every other.
@@ -274,7 +274,7 @@ fn assert_ordered(design: &Design) {
 fn two_disturbances_come_near_the_limit() {
     let performance = &s1_by_gap().performance;
     assert_ordered(s1_by_gap());
-    let reference = Case::read("s1");
+    let reference = ReferenceCase::read("s1");
     reference.check("frozen_gap_by_search", performance.frozen.gap);
     reference.check("certified_gap_by_search", performance.certified.unwrap().gap);
     for point in &performance.operating_points {
@@ -297,13 +297,13 @@ fn every_fault_is_reported() {
     assert!(torque.frozen.beta > 0.0 && torque.frozen.gamma == design.performance.frozen.gamma);
     near("gap", torque.frozen.gap, torque.frozen.beta * 50.0 / (torque.frozen.gamma * 0.5), 1e-12);
     assert_eq!(design.f[0].len(), 2);
-    assert!(designed(&Case::read("s1").spec).unwrap().performance.other_faults.is_empty());
+    assert!(designed(&ReferenceCase::read("s1").spec).unwrap().performance.other_faults.is_empty());
 }
 
 #[test]
 fn search_multiplies_the_papers_detection_ratio_under_noise() {
-    let reference = Case::read("s2");
-    let s2 = Case::read("s1").spec + &reference.spec;
+    let reference = ReferenceCase::read("s2");
+    let s2 = ReferenceCase::read("s1").spec + &reference.spec;
     let [gap, paper] = ["gap", "paper"].map(|method| with_method(&s2, method));
     for design in [&gap, &paper] {
         assert_ordered(design);

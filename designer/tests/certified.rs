@@ -20,7 +20,7 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignStatus, Spec};
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::{Refusal, verify};
 
 use common::papers_but;
@@ -90,7 +90,7 @@ fn papers_largest_beta_is_worth_its_reference_values() {
     let points = OperatingPoint::grid(&model(&spec));
     let magnitudes = frozen(&points, &synthesis.gains.gains, &inputs);
     let (figures, _) = certified(&theorem, &synthesis.gains, &magnitudes, &inputs).unwrap();
-    let reference = Case::read("largest_beta");
+    let reference = ReferenceCase::read("largest_beta");
     reference.check("certified_beta", figures.beta);
     reference.check("certified_gamma", figures.gamma);
     // Three times what synthesis claims, a hundred times less gamma.
@@ -101,14 +101,15 @@ fn papers_largest_beta_is_worth_its_reference_values() {
 fn s1_by_paper() -> Design {
     let method = "design.method = \"paper\"\ndesign.alpha_d = 0.02\n\
                   design.V = [0, 15.44715447, 14.23425414]\n";
-    designed_with_few_drives(papers_but(&format!("{method}{}", Case::read("s1").spec))).unwrap()
+    designed_with_few_drives(papers_but(&format!("{method}{}", ReferenceCase::read("s1").spec)))
+        .unwrap()
 }
 
 #[test]
 fn two_disturbances_reach_the_reference_gap() {
     let design = s1_by_paper();
     let certified = design.performance.certified.unwrap();
-    let reference = Case::read("s1");
+    let reference = ReferenceCase::read("s1");
     reference.check("certified_beta_per_deg_by_grid", certified.beta * 1_f64.to_radians());
     // Of disturbances in units of their bounds.
     reference.check("certified_gamma_by_grid", certified.gamma * 0.5);

@@ -22,7 +22,7 @@ use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, Obstacle, Spec, Step, design,
 };
 use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor, rk4};
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 
 use designed::designed;
 
@@ -55,13 +55,13 @@ fn near(value: f64, expected: f64, relative: f64) {
 fn papers_case_meets_its_reference_values() {
     let design = papers_design();
     let synthesis = &design.synthesis;
-    let largest_beta = Case::read("largest_beta");
+    let largest_beta = ReferenceCase::read("largest_beta");
     largest_beta.check("bound", synthesis.beta_bound);
     let largest = synthesis.largest_beta.as_ref().unwrap().beta;
     largest_beta.check("solved", largest);
     assert!(largest < synthesis.beta_bound);
     near(synthesis.beta, 0.97 * synthesis.beta_bound, 1e-12);
-    let reference = Case::read("well_posed");
+    let reference = ReferenceCase::read("well_posed");
     reference.check("gamma", synthesis.gamma);
     reference.check("frozen_beta", design.performance.frozen.beta);
     reference.check("frozen_gamma", design.performance.frozen.gamma);

@@ -15,7 +15,7 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_detector::RULES;
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 
 mod common;
 
@@ -189,11 +189,11 @@ fn fixtures_meet_the_references_of_the_method() {
         let case = cases.iter().find(|case| case.name == name).unwrap();
         case.points.iter().find(|x| x.state == state).unwrap().limit.unwrap()
     };
-    let s1 = Case::read("s1");
+    let s1 = ReferenceCase::read("s1");
     s1.check("limit_while_turning", limit("two disturbances", [5.0, 1.5, 0.55]));
     // Without yaw rate the speed tells nothing of v_y, and the disturbance need not hide there.
     s1.check("limit_at_r_0", limit("two disturbances", [5.0, 0.0, 0.0]));
-    let noisy = Case::read("noise_in_band");
+    let noisy = ReferenceCase::read("noise_in_band");
     for (figure, state) in [
         ("limit_at_5_0_0", [5.0, 0.0, 0.0]),
         ("limit_at_5_1_5_0_55", [5.0, 1.5, 0.55]),

@@ -11,7 +11,7 @@ use steerguard_designer::problem::model;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::{Attenuation, Multipliers, Quantities, Theorem4};
 use steerguard_detector::RULES;
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 
 /// 1.5 Hz at 0.01 s, rad a sample.
 const THETA: f64 = 0.0942478;
@@ -37,7 +37,7 @@ fn papers_theorem() -> Theorem4 {
 #[test]
 fn data_are_the_papers() {
     let theorem = papers_theorem();
-    let reference = Case::read("model");
+    let reference = ReferenceCase::read("model");
     for (rule, speed) in [(0, "5_m_per_s"), (2, "30_m_per_s")] {
         reference.check(&format!("a_22_at_{speed}"), theorem.a[rule][(1, 1)]);
         reference.check(&format!("a_32_at_{speed}"), theorem.a[rule][(2, 1)]);
@@ -217,7 +217,7 @@ fn reference_indices_are_met() {
         let d = rows(&[&[0.0, 0.0], &[0.005, 0.0], &[0.0, 0.001]]);
         theorem(d, alpha_d, 1.0, model::f(&Spec::paper()).transpose() * scale_v)
     };
-    let reference = Case::read("s1");
+    let reference = ReferenceCase::read("s1");
     for (figure, theorem) in [
         ("synthesis_gap_by_papers_multipliers", theorem_s1(2.0, 1.0)),
         ("synthesis_gap_by_grid", theorem_s1(0.02, 20.0)),
@@ -233,7 +233,7 @@ fn reference_indices_are_met() {
 #[test]
 fn bound_on_beta_is_the_minimum_over_the_band() {
     let spec = Spec::paper();
-    let norm = Case::read("model").value("f_3_per_rad");
+    let norm = ReferenceCase::read("model").value("f_3_per_rad");
     for alpha_f in [-0.5, 0.0, 0.3, 1.0, 2.5] {
         for band in [Band::Low(0.4), Band::High(0.4), Band::Full] {
             let mut theorem = theorem(model::d(&spec), 2.0, alpha_f, model::f(&spec).transpose());
@@ -246,7 +246,7 @@ fn bound_on_beta_is_the_minimum_over_the_band() {
             assert!((theorem.beta_bound() / by_search - 1.0).abs() < 1e-8);
         }
     }
-    Case::read("largest_beta").check("bound", papers_theorem().beta_bound());
+    ReferenceCase::read("largest_beta").check("bound", papers_theorem().beta_bound());
 }
 
 proptest! {

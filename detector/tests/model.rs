@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use steerguard_detector::{Input, Measurement, TsModel, Vehicle, VehicleState, rk4};
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 
 const PAPER: TsModel = TsModel::PAPER;
 
@@ -12,7 +12,7 @@ fn membership(v_x_m_per_s: f64, r_rad_per_s: f64) -> [f64; 4] {
 
 #[test]
 fn vertices_have_the_reference_entries() {
-    let reference = Case::read("model");
+    let reference = ReferenceCase::read("model");
     let [slow, _, fast, _] = PAPER.vertices();
     reference.check("a_22_at_5_m_per_s", slow[1][1]);
     reference.check("a_22_at_30_m_per_s", fast[1][1]);

@@ -13,7 +13,7 @@ use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::{Design, DesignStatus, Spec};
-use steerguard_test_support::cases::Case;
+use steerguard_test_support::cases::ReferenceCase;
 
 use designed::designed;
 use fmu::open;
@@ -29,7 +29,7 @@ const FEW_DRIVES: &str = r#"
 "#;
 
 fn designed_by(method: &str) -> Design {
-    let [s1, s2] = ["s1", "s2"].map(|case| Case::read(case).spec);
+    let [s1, s2] = ["s1", "s2"].map(|case| ReferenceCase::read(case).spec);
     let text = format!("design.method = \"{method}\"\n{s1}{s2}{FEW_DRIVES}");
     designed(&Spec::from_toml(&text).unwrap()).unwrap()
 }
@@ -55,7 +55,7 @@ fn levels(design: &Design, speed: f64) -> (f64, f64) {
 fn the_fault_stands_out_of_noise_by_method_gap_and_drowns_by_method_paper() {
     let [gap, paper] = ["gap", "paper"].map(designed_by);
     assert_eq!(gap.synthesis.status, DesignStatus::Certified);
-    let reference = Case::read("s2");
+    let reference = ReferenceCase::read("s2");
     reference.check("detection_ratio_by_search", gap.performance.detection_ratio);
     reference.check("detection_ratio_by_papers_constants", paper.performance.detection_ratio);
     for speed in [10.0, 25.0] {

@@ -13,7 +13,7 @@ use serde::Deserialize;
 /// A reference case.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Case {
+pub struct ReferenceCase {
     /// What it is, with the numbers of its equations.
     pub about: String,
     /// Where the expected figures come from.
@@ -55,7 +55,7 @@ impl Expected {
     }
 }
 
-impl Case {
+impl ReferenceCase {
     /// Reads `tests/cases/NAME.toml`.
     ///
     /// # Panics
