@@ -116,7 +116,7 @@ fn two_disturbances_reach_the_reference_gap() {
     reference.check("certified_gap_by_grid", certified.gap);
     assert_eq!(design.synthesis.status, DesignStatus::Certified);
     let verdict = verify(&design.to_json().unwrap()).unwrap();
-    assert_eq!(verdict.figures.gap, certified.gap);
+    assert_eq!(verdict.figures.unwrap().gap, certified.gap);
     assert_eq!(verdict.hash, design.hash);
 }
 
