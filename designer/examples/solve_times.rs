@@ -8,7 +8,9 @@ use std::error::Error;
 use std::time::Instant;
 
 use steerguard_designer::Spec;
+use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::synthesis::solve::{Goal, solve};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 
 /// Lateral and yaw acceleration of each disturbance, at a bound of 1: the first two are those of S1
 /// (METHOD.md 7).
@@ -49,9 +51,9 @@ fn disturbances(up_to_hz: &[f64]) -> String {
 fn report(series: &str, size: usize, spec: &str, vertices: usize) -> Result<(), Box<dyn Error>> {
     let mut spec = Spec::from_toml(spec)?;
     spec.evaluation.weights = Spec::paper().evaluation.weights;
-    let inputs = spec.inputs()?;
+    let inputs = Inputs::of(&spec)?;
     let start = Instant::now();
-    let mut theorem = spec.theorem(&inputs);
+    let mut theorem = Theorem4::of(&spec, &inputs);
     theorem.k.truncate(vertices);
     let beta = spec.design.beta_fraction * theorem.beta_bound();
     let synthesis = solve(&theorem, Goal::SmallestGamma { beta: Some(beta) })?;

@@ -14,24 +14,23 @@
 
 pub mod analysis;
 mod design;
+pub mod document;
 pub mod lmi;
 pub mod problem;
 mod progress;
 pub mod search;
 pub mod spec;
-mod spec_error;
 pub mod synthesis;
 pub mod threshold;
 
 pub use analysis::certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::file::{
-    AttenuationRecord, Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign,
-    FORMAT, FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord,
-    SynthesisRecord,
+    AttenuationRecord, Certificate, Constants, Design, DesignFileError, DesignStatus, FORMAT,
+    FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
+    ThresholdRecord,
 };
 pub use design::{DesignError, design};
 pub use progress::Step;
 pub use spec::Spec;
-pub use spec_error::SpecError;
 pub use synthesis::obstacle::Obstacle;
 pub use threshold::guaranteed::{Guaranteed, InputBound, PeakCertificate};

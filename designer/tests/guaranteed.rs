@@ -5,23 +5,25 @@
 #[path = "common/adversary.rs"]
 mod adversary;
 mod common;
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use serde::Deserialize;
 use steerguard_designer::lmi::matrix::matrix;
+use steerguard_designer::problem::inputs;
 use steerguard_designer::synthesis::gains::ObserverGains;
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::calibration::{Population, calibrate, drives};
 use steerguard_designer::threshold::guaranteed::peak_bounds;
-use steerguard_designer::{Design, DesignStatus, Spec, design};
+use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::verify;
 
 use adversary::{Inputs, drive, largest_j};
 use common::papers_but;
-use few_drives::designed_with_few_drives;
+use designed::{designed, designed_with_few_drives};
 
 const GUARANTEED: &str = "evaluation.threshold = \"guaranteed\"\n";
 /// Three standard deviations of the default's sensors.
@@ -46,7 +48,7 @@ fn ratio(name: &str, design: &Design) -> f64 {
             largest_j(design, &inputs, &course, &signals)
         })
         .collect();
-    let bound = design.evaluation.guaranteed.as_ref().unwrap().bound;
+    let bound = design.threshold.guaranteed.as_ref().unwrap().bound;
     assert!(j.iter().all(|&j| j <= bound));
     let largest = j.into_iter().fold(0.0, f64::max);
     println!("{name}: bound {bound:.6}, largest J {largest:.6}, ratio {:.2}", bound / largest);
@@ -64,15 +66,15 @@ fn worst_found_drives_stay_below_the_bound() {
 fn claim_and_causes_are_proven() {
     let design = with_noise();
     assert_eq!(design.synthesis.status, DesignStatus::Certified);
-    let evaluation = &design.evaluation;
-    assert!(evaluation.calibration.is_none());
-    let guaranteed = evaluation.guaranteed.as_ref().unwrap();
+    let causes = &design.threshold;
+    assert!(causes.calibration.is_none());
+    let guaranteed = causes.guaranteed.as_ref().unwrap();
     let names: Vec<_> = guaranteed.inputs.iter().map(|input| input.name.as_str()).collect();
     assert_eq!(names, ["side wind", "noise of v_x", "noise of r"]);
     let sum: f64 = guaranteed.inputs.iter().map(|input| input.j).sum();
     assert!((guaranteed.bound / sum - 1.0).abs() < 1e-6);
     let level = guaranteed.bound + guaranteed.discretisation.level;
-    assert!((evaluation.threshold / (evaluation.margin * level) - 1.0).abs() < 1e-12);
+    assert!((design.detector.evaluation.threshold / (causes.margin * level) - 1.0).abs() < 1e-12);
 
     let json = design.to_json().unwrap();
     assert_eq!(Design::from_json(&json).unwrap(), *design);
@@ -90,13 +92,16 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     let mut spec = papers_but(GUARANTEED);
     spec.evaluation.calibration.speeds = 3;
     spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
-    let papers = design(&spec, &mut |_| {}).unwrap();
-    let bounded = papers.evaluation.guaranteed.as_ref().unwrap();
+    let papers = designed(&spec).unwrap();
+    let bounded = papers.threshold.guaranteed.as_ref().unwrap();
     let specified = Population::Specified;
     let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});
     let level = level.unwrap().unwrap().level;
     // More than the model's bound, as the Euler steps leave something out.
-    assert!(level > bounded.bound && level < papers.evaluation.threshold, "{level}, {bounded:?}");
+    assert!(
+        level > bounded.bound && level < papers.detector.evaluation.threshold,
+        "{level}, {bounded:?}"
+    );
 }
 
 /// fixtures/peak_bounds.json.
@@ -120,7 +125,7 @@ fn bounds_agree_with_an_independent_solver() {
     let fixture: Fixture = serde_json::from_str(include_str!("fixtures/peak_bounds.json")).unwrap();
     let noise = "noise.v_x.bound_m_per_s = 0.02\nnoise.r.bound_rad_per_s = 0.002\n";
     let spec = papers_but(&format!("{GUARANTEED}{noise}evaluation.weights = [0.1, 1.0]\n"));
-    let theorem = spec.theorem(&spec.inputs().unwrap());
+    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap());
     let h = fixture.h.each_ref().map(matrix);
     let gains = ObserverGains::new(&matrix(&fixture.e), &h, &theorem.a);
     let bounds = peak_bounds(&spec, &theorem, &gains).unwrap();
@@ -155,7 +160,7 @@ fn white_noise_without_a_bound_is_refused() {
 #[test]
 fn error_that_grows_has_no_bound() {
     let spec = papers_but(GUARANTEED);
-    let theorem = spec.theorem(&spec.inputs().unwrap());
+    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap());
     let none = matrix(&[[0.0; 2]; 3]);
     // Without injection N_i = A_i, which holds v_x and r for ever.
     let gains = ObserverGains::new(

@@ -9,8 +9,11 @@ use steerguard_designer::analysis::frequency::{PointFigures, at_point, limit};
 use steerguard_designer::analysis::operating_point::OperatingPoint;
 use steerguard_designer::lmi::matrix::{Matrix, matrix};
 use steerguard_designer::problem::channel::Channel;
+use steerguard_designer::problem::inputs::Inputs;
+use steerguard_designer::problem::model::model;
 use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
+use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_detector::RULES;
 
 mod common;
@@ -39,7 +42,7 @@ struct Observer {
 impl Observer {
     fn gains(&self, spec: &Spec) -> ObserverGains {
         let h: [Matrix; RULES] = self.h.each_ref().map(matrix);
-        let a = spec.model().vertices().each_ref().map(matrix);
+        let a = model(&spec).vertices().each_ref().map(matrix);
         ObserverGains::new(&matrix(&self.e), &h, &a)
     }
 }
@@ -71,10 +74,10 @@ fn frozen_cases() -> Vec<FrozenCase> {
 fn frozen_gains_and_noise_agree_at_every_operating_point() {
     for case in frozen_cases() {
         let spec = papers_but(&case.spec);
-        let inputs = spec.inputs().unwrap();
+        let inputs = Inputs::of(&spec).unwrap();
         let gains = case.observer.gains(&spec).gains;
         for expected in &case.points {
-            let point = OperatingPoint::new(&spec.model(), expected.state);
+            let point = OperatingPoint::new(&model(&spec), expected.state);
             let PointFigures { beta, gamma, noise_rms, .. } = at_point(&point, &gains, &inputs);
             let what = |figure| format!("{}, {:?}: {figure}", case.name, expected.state);
             // The reference is refined between the frequencies of the grid, ours is not.
@@ -90,9 +93,9 @@ fn frozen_gains_and_noise_agree_at_every_operating_point() {
 fn limit_agrees_with_the_smallest_hiding_disturbance() {
     for case in frozen_cases() {
         let spec = papers_but(&case.spec);
-        let inputs = spec.inputs().unwrap();
+        let inputs = Inputs::of(&spec).unwrap();
         for expected in &case.points {
-            let value = limit(&OperatingPoint::new(&spec.model(), expected.state), &inputs);
+            let value = limit(&OperatingPoint::new(&model(&spec), expected.state), &inputs);
             let what = format!("{}, {:?}: limit", case.name, expected.state);
             match (value, expected.limit) {
                 // Near w = 0 the minimum is narrow: our grid passes it by as much as 3e-5.
@@ -143,8 +146,8 @@ fn certified_gains_agree_with_several_bands_and_bounded_noise() {
     let fixture = noise_and_bands();
     for case in &fixture.certificates {
         let spec = papers_but(&case.spec);
-        let inputs = spec.inputs().unwrap();
-        let theorem = spec.theorem(&inputs);
+        let inputs = Inputs::of(&spec).unwrap();
+        let theorem = Theorem4::of(&spec, &inputs);
         let gains = fixture.observer.gains(&spec);
         let value = |channel: &Channel, gain: Gain, expected: f64| {
             certify(&ErrorSystem::new(&theorem, &gains, channel), channel.band, gain, expected)
@@ -169,8 +172,8 @@ fn certified_gains_agree_with_several_bands_and_bounded_noise() {
 fn syntheses_agree_with_several_bands_and_bounded_noise() {
     for case in noise_and_bands().syntheses {
         let spec = papers_but(&case.spec);
-        let inputs = spec.inputs().unwrap();
-        let theorem = spec.theorem(&inputs);
+        let inputs = Inputs::of(&spec).unwrap();
+        let theorem = Theorem4::of(&spec, &inputs);
         near(&format!("{}: bound", case.name), theorem.beta_bound(), case.bound, 1e-9);
         let synthesis = solve(&theorem, Goal::SmallestGamma { beta: Some(case.beta) }).unwrap();
         near(&format!("{}: gamma", case.name), synthesis.gamma * inputs.bound, case.gamma, 5e-3);

@@ -7,6 +7,7 @@ use steerguard_designer::lmi::affine::Affine;
 use steerguard_designer::lmi::matrix::Matrix;
 use steerguard_designer::problem::band::Band;
 use steerguard_designer::problem::channel::Channel;
+use steerguard_designer::problem::model;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::{Attenuation, Multipliers, Quantities, Theorem4};
 use steerguard_detector::RULES;
@@ -23,13 +24,13 @@ fn theorem(d: Matrix, alpha_d: f64, alpha_f: f64, v: Matrix) -> Theorem4 {
     let spec = Spec::paper();
     let channel = |direction| Channel::disturbance(direction, Band::Low(THETA));
     let multipliers = Multipliers { alpha_d, alpha_f, v };
-    let (disturbances, fault) = ([channel(d)], channel(spec.f()));
-    Theorem4::new(&spec.model(), &disturbances, &fault, [1.0, 1.0], &multipliers, 0.97)
+    let (disturbances, fault) = ([channel(d)], channel(model::f(&spec)));
+    Theorem4::new(&model::model(&spec), &disturbances, &fault, [1.0, 1.0], &multipliers, 0.97)
 }
 
 fn papers_theorem() -> Theorem4 {
     let spec = Spec::paper();
-    theorem(spec.d(), 2.0, 1.0, spec.f().transpose())
+    theorem(model::d(&spec), 2.0, 1.0, model::f(&spec).transpose())
 }
 
 #[test]
@@ -212,7 +213,7 @@ fn reference_indices_are_met() {
     let degree = 1_f64.to_radians();
     let theorem_s1 = |alpha_d, scale_v: f64| {
         let d = rows(&[&[0.0, 0.0], &[0.005, 0.0], &[0.0, 0.001]]);
-        theorem(d, alpha_d, 1.0, Spec::paper().f().transpose() * scale_v)
+        theorem(d, alpha_d, 1.0, model::f(&Spec::paper()).transpose() * scale_v)
     };
     for (name, theorem, expected) in [
         ("S1, paper's multipliers", theorem_s1(2.0, 1.0), 5.69),
@@ -232,7 +233,7 @@ fn bound_on_beta_is_the_minimum_over_the_band() {
     let spec = Spec::paper();
     for alpha_f in [-0.5, 0.0, 0.3, 1.0, 2.5] {
         for band in [Band::Low(0.4), Band::High(0.4), Band::Full] {
-            let mut theorem = theorem(spec.d(), 2.0, alpha_f, spec.f().transpose());
+            let mut theorem = theorem(model::d(&spec), 2.0, alpha_f, model::f(&spec).transpose());
             theorem.fault.band = band;
             let [from, to] = band.limits();
             let by_search = (0..=10_000)
@@ -256,7 +257,7 @@ proptest! {
     ) {
         prop_assume!(v[0].hypot(v[2]) > 0.1);
         let v = Matrix::from_row_slice(1, 3, &v);
-        let theorem = theorem(Spec::paper().d(), alpha_d, alpha_f, v);
+        let theorem = theorem(model::d(&Spec::paper()), alpha_d, alpha_f, v);
         if let Ok(synthesis) = solve(&theorem, Goal::LargestBeta { gamma: Some(0.8) }) {
             prop_assert!(synthesis.beta < theorem.beta_bound());
             let error = synthesis.gains.observer_equation_error(&theorem.a);

@@ -8,11 +8,15 @@
 //!   has two values at most, and for a held command x runs along a ramp, then along an exponential.
 //! - Inside: times in sampling periods, rates in rad a sampling period.
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 /// Longest dead time, sampling periods.
 pub const MAX_DELAY_SAMPLES: usize = 256;
 
 /// An actuator's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Actuator {
     /// Time constant of the first-order lag, s; not negative.
     pub lag_s: f64,
@@ -50,6 +54,14 @@ impl ActuatorState {
     /// Before the first command: the actuator will have settled there.
     pub const START: Self =
         Self { commands: [0.0; MAX_DELAY_SAMPLES + 1], oldest: 0, command: None, angle: 0.0 };
+
+    /// Whether samples of an actuator whose dead time has `delay` whole periods can have led here.
+    pub(crate) fn is_possible(&self, delay: usize) -> bool {
+        self.oldest <= delay
+            && self.commands.iter().take(delay + 1).all(|x| x.is_finite())
+            && self.command.is_none_or(f64::is_finite)
+            && self.angle.is_finite()
+    }
 
     /// Takes the `command` of a sample of length `period_s` and returns the average of the angle over
     /// that sample; both in rad.

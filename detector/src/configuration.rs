@@ -1,11 +1,15 @@
 //! Everything the detector is told: plain numbers, checked once before it runs.
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 use crate::{
     Actuator, Deviations, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, TsModel,
 };
 
 /// A detector's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Configuration {
     /// Vehicle, sampling period and design range S_x.
     pub model: TsModel,

@@ -1,7 +1,11 @@
 //! The set S_x (4) on which a design holds.
 
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
 /// A closed interval `[min, max]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Interval {
     /// Lower end.
     pub min: f64,
@@ -33,6 +37,7 @@ impl Interval {
 
 /// The compact set S_x (4): the range of the state for which the gains are designed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct OperatingRange {
     /// Longitudinal speed, m/s; its minimum is positive, since 1/v_x is a premise variable.
     pub v_x: Interval,

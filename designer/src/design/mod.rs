@@ -11,16 +11,18 @@ use crate::analysis::operating_point::{OperatingPoint, fixed, spectral_radius};
 use crate::analysis::start_up;
 use crate::analysis::worth::Worth;
 use crate::design::file::{
-    AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
-    FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
+    AttenuationRecord, Certificate, Constants, Design, DesignFileError, DesignStatus, FORMAT,
+    FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
+    ThresholdRecord,
 };
+use crate::document::Mistakes;
 use crate::lmi::matrix::{Matrix, nested, rows};
 use crate::problem::band::Band;
-use crate::problem::inputs::Inputs;
+use crate::problem::inputs::{self, Inputs};
+use crate::problem::model;
 use crate::progress::Step;
 use crate::search::{SearchRecord, search};
 use crate::spec::{MethodName, Spec};
-use crate::spec_error::SpecError;
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
@@ -38,7 +40,7 @@ const SOLVER: &str = "clarabel 0.11";
 pub enum DesignError {
     /// The specification is not possible.
     #[error(transparent)]
-    Spec(#[from] SpecError),
+    Spec(#[from] Mistakes),
     /// The conditions contradict each other.
     #[error("the specification is infeasible: {0}")]
     Infeasible(Obstacle),
@@ -65,6 +67,9 @@ pub enum DesignError {
     /// A number that JSON cannot hold.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
+    /// A design that does not read back.
+    #[error(transparent)]
+    File(#[from] DesignFileError),
 }
 
 /// Designs a detector for `spec`; `progress` hears of every step. The same specification gives the
@@ -75,9 +80,9 @@ pub enum DesignError {
 /// the way), or one that the numerics cannot master.
 pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
     spec.check()?;
-    let model = spec.model();
-    let inputs = spec.inputs()?;
-    let theorem = spec.theorem(&inputs);
+    let model = model::model(spec);
+    let inputs = Inputs::of(spec)?;
+    let theorem = Theorem4::of(spec, &inputs);
 
     let found = match spec.design.method {
         MethodName::Paper => paper(spec, &theorem, &inputs, progress)?,
@@ -89,13 +94,13 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     let of_theorem = found.check.map(|_| &synthesis.lyapunov);
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
-    let (evaluation, peaks) = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
+    let Evaluated { detector, threshold, peaks } =
+        evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
 
-    let mut design = Design {
+    let design = Design {
         format: FORMAT.into(),
-        vehicle: spec.vehicle,
-        sampling_period_s: spec.sampling.period_s,
-        premise: spec.operating_range,
+        constants: Constants::USED,
+        detector,
         vertices: std::array::from_fn(|i| Rule {
             a: model.vertices()[i],
             n: gains.gains.n[i],
@@ -105,12 +110,10 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
         b: model.b(),
         g: model.g_phi().map(|g| [g]),
         c: C,
-        d: nested(&spec.d()),
-        d_y: Some(spec.d_y()).filter(|d_y| d_y.ncols() > 0).map(|d_y| nested(&d_y)),
-        f: nested(&spec.f()),
-        e: gains.gains.e,
-        m: gains.gains.m,
-        evaluation,
+        d: nested(&model::d(spec)),
+        d_y: Some(inputs::d_y(spec)).filter(|d_y| d_y.ncols() > 0).map(|d_y| nested(&d_y)),
+        f: nested(&model::f(spec)),
+        threshold,
         synthesis: SynthesisRecord {
             method: spec.design.method,
             alpha_d: theorem.alpha_d,
@@ -122,6 +125,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             gap: synthesis.beta * inputs.smallest_fault / (synthesis.gamma * inputs.bound),
             solver: SOLVER.into(),
             status: unproven(synthesis.status),
+            unproven: None,
             solver_status: format!("{:?}", synthesis.status),
             iterations: synthesis.iterations,
             largest_beta: found.largest_beta.clone(),
@@ -164,9 +168,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
         spec: spec.clone(),
         hash: String::new(),
     };
-    design.configuration().check()?;
-    sign(&mut design)?;
-    Ok(design)
+    design.detector.check()?;
+    sign(design)
 }
 
 /// Gains, and how they were found.
@@ -205,7 +208,7 @@ fn paper(
     progress(Step::Certify);
     Ok(Found {
         gains: *gains,
-        worth: Worth::of(gains, theorem, &spec.model(), inputs),
+        worth: Worth::of(gains, theorem, &model::model(spec), inputs),
         p_s: lyapunov.p_s.clone(),
         check: Some(check),
         theorem: theorem.clone(),
@@ -227,7 +230,7 @@ fn by_gap(
     inputs: &Inputs,
     progress: &mut dyn FnMut(Step),
 ) -> Result<Found, DesignError> {
-    let found = search(theorem, &spec.model(), inputs, &spec.design, progress)
+    let found = search(theorem, &model::model(spec), inputs, &spec.design, progress)
         .ok_or_else(|| infeasible(spec, theorem))?;
     Ok(Found {
         gains: found.gains,
@@ -256,9 +259,9 @@ fn other_faults(
     gains: &ObserverGains,
     worth: &Worth,
     inputs: &Inputs,
-) -> Result<Vec<FaultFigures>, SpecError> {
-    let points = OperatingPoint::grid(&spec.model());
-    let channels = spec.fault_channels()?;
+) -> Result<Vec<FaultFigures>, Mistakes> {
+    let points = OperatingPoint::grid(&model::model(spec));
+    let channels = inputs::fault_channels(spec)?;
     let others = spec.fault.iter().zip(channels).skip(1);
     let figures = others.map(|(fault, channel)| {
         let inputs = Inputs { fault: channel, smallest_fault: fault.smallest(), ..inputs.clone() };
@@ -275,16 +278,21 @@ fn other_faults(
     Ok(figures.collect())
 }
 
-/// Gives the design its status and hash. Only the proof of the very file grants "certified".
-fn sign(design: &mut Design) -> Result<(), DesignError> {
+/// Gives the design its status and hash. Only the proof of the very file grants "certified"; without
+/// it, no figure is claimed.
+fn sign(mut design: Design) -> Result<Design, DesignError> {
     let unproven = design.synthesis.status;
     design.synthesis.status = DesignStatus::Certified;
     design.hash = design.computed_hash()?;
-    if steerguard_verify::verify(&design.to_json()?).is_err() {
+    if let Err(refusal) = steerguard_verify::verify(&design.to_json()?) {
         design.synthesis.status = unproven;
+        design.synthesis.unproven = Some(refusal.to_string());
+        design.performance.certified = None;
+        design.certificate.a_posteriori = None;
         design.hash = design.computed_hash()?;
     }
-    Ok(())
+    // What is handed on is what the file holds, bit for bit.
+    Ok(Design::from_json(&design.to_json()?)?)
 }
 
 /// The paper's problem: the largest beta subject to (31)-(33) with the given gamma.
@@ -307,6 +315,14 @@ fn smallest_gamma(
         .map_err(|reason| DesignError::Solver { beta, reason })
 }
 
+/// What the detector is told, and what its threshold rests on.
+struct Evaluated {
+    detector: Configuration,
+    threshold: ThresholdRecord,
+    /// What proves a guaranteed threshold.
+    peaks: Option<Vec<PeakCertificate>>,
+}
+
 /// Start-up bound and threshold.
 fn evaluate(
     spec: &Spec,
@@ -314,7 +330,7 @@ fn evaluate(
     gains: &ObserverGains,
     smallest_fault_residual: f64,
     progress: &mut dyn FnMut(Step),
-) -> Result<(EvaluationDesign, Option<Vec<PeakCertificate>>), DesignError> {
+) -> Result<Evaluated, DesignError> {
     progress(Step::StartUp);
     let e = &spec.evaluation;
     let without_threshold = Evaluation {
@@ -336,7 +352,7 @@ fn evaluate(
     .ok_or(DesignError::StartUp)?;
 
     let configuration = Configuration {
-        model: spec.model(),
+        model: model::model(spec),
         hysteresis: spec.operating_range.hysteresis(),
         gains: gains.gains,
         evaluation: Evaluation {
@@ -344,30 +360,25 @@ fn evaluate(
             start_up_decay: bound.decay,
             ..without_threshold
         },
-        deviations: spec.deviations(),
+        deviations: model::deviations(spec),
         actuator: spec.actuator.actuator(),
     };
     let Threshold { threshold, uncertainty_share, calibration, uncertain, guaranteed, peaks } =
         threshold::threshold(spec, theorem, gains, &configuration, progress)?;
-    let record = EvaluationDesign {
-        window: e.window_samples,
-        weights: e.weights,
-        threshold,
-        uncertainty_share,
+    let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
+    let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
-        start_up: StartUpRecord {
-            amplitude: bound.amplitude,
-            decay: bound.decay,
-            p: bound.p.each_ref().map(rows),
-            margin: bound.margin,
-        },
-        debounce_samples: e.debounce_samples,
+        start_up: StartUpRecord { p: bound.p.each_ref().map(rows), margin: bound.margin },
         calibration,
         uncertain,
         guaranteed,
     };
-    Ok((record, peaks))
+    Ok(Evaluated {
+        detector: Configuration { evaluation, ..configuration },
+        threshold: causes,
+        peaks,
+    })
 }
 
 /// What a design may be called without a proof.

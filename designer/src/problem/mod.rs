@@ -3,3 +3,4 @@
 pub mod band;
 pub mod channel;
 pub mod inputs;
+pub mod model;

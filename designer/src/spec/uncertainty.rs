@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 use steerguard_detector::{Gust, Uncertainty};
 
 use super::ActuatorTable;
-use super::channel::GRAVITY;
-use crate::spec_error::{Allowed, SpecError};
+use super::disturbance::GRAVITY;
+use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Density of air, kg/m^3.
-const AIR_KG_PER_M3: f64 = 1.2;
+pub(crate) const AIR_KG_PER_M3: f64 = 1.2;
 
 /// `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,32 +120,37 @@ impl UncertaintyTable {
         }
     }
 
-    /// Checks every value, for a further dead time of at most `largest_delay_s`.
-    pub(super) fn check(&self, largest_delay_s: f64) -> Result<(), SpecError> {
-        let largest_lag_s = ActuatorTable::LARGEST_LAG_S;
-        Allowed::between(0.0, largest_lag_s)
-            .check("uncertainty.actuator_lag_s", self.actuator_lag_s)?;
-        Allowed::between(0.0, largest_delay_s)
-            .check("uncertainty.actuator_delay_s", self.actuator_delay_s)?;
+    /// Finds what is not possible, for a further dead time of at most `largest_delay_s` where that is
+    /// known.
+    pub(super) fn check(&self, largest_delay_s: Option<f64>, mistakes: &mut Mistakes) {
+        let lag_s = Allowed::between(0.0, ActuatorTable::LARGEST_LAG_S);
+        mistakes.number("uncertainty.actuator_lag_s", self.actuator_lag_s, lag_s);
+        let delay_s = largest_delay_s
+            .map_or(Allowed::NOT_NEGATIVE, |largest_s| Allowed::between(0.0, largest_s));
+        mistakes.unless(delay_s.holds(self.actuator_delay_s), || {
+            Mistake::value("uncertainty.actuator_delay_s", self.actuator_delay_s, delay_s)
+                .because_of("actuator.delay_s")
+        });
         let parameters =
             ["mass", "yaw_inertia", "front_cornering_stiffness", "rear_cornering_stiffness"];
         for (parameter, interval) in parameters.into_iter().zip(self.intervals_percent()) {
             let [min, max] = interval;
-            SpecError::unless(
-                (-90.0..=0.0).contains(&min) && (0.0..=900.0).contains(&max),
-                &format!("uncertainty.{parameter}_percent"),
-                interval,
-                "[min, max] with -90 <= min <= 0 <= max <= 900: percent off the specified value",
-            )?;
+            let around_zero = (-90.0..=0.0).contains(&min) && (0.0..=900.0).contains(&max);
+            mistakes.unless(around_zero, || {
+                let key = format!("uncertainty.{parameter}_percent");
+                Mistake::value(key, interval, "-90 <= min <= 0 <= max <= 900")
+                    .help("[min, max] is in percent off the specified value")
+            });
         }
-        Allowed::between(0.0, 45.0).check("uncertainty.bank_deg", self.bank_deg)?;
+        mistakes.number("uncertainty.bank_deg", self.bank_deg, Allowed::between(0.0, 45.0));
         for (key, value) in [
             ("gust_m_per_s", self.gust_m_per_s),
             ("frontal_area_m2", self.frontal_area_m2),
             ("side_force_per_rad", self.side_force_per_rad),
         ] {
-            Allowed::NOT_NEGATIVE.check(&format!("uncertainty.{key}"), value)?;
+            mistakes.number(&format!("uncertainty.{key}"), value, Allowed::NOT_NEGATIVE);
         }
-        Allowed::FINITE.check("uncertainty.gust_acting_ahead_m", self.gust_acting_ahead_m)
+        let acting_ahead_m = self.gust_acting_ahead_m;
+        mistakes.number("uncertainty.gust_acting_ahead_m", acting_ahead_m, Allowed::FINITE);
     }
 }

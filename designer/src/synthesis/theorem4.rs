@@ -35,6 +35,9 @@ use steerguard_detector::{C, RULES, TsModel};
 use crate::lmi::affine::{Affine, Variables};
 use crate::lmi::matrix::{Matrix, beside, matrix};
 use crate::problem::channel::{Channel, premise_sensitivity_vertices};
+use crate::problem::inputs::Inputs;
+use crate::problem::model::{f, model};
+use crate::spec::{MultiplierV, Spec, VName};
 
 /// Vertices of rho.
 pub const VERTICES_OF_RHO: usize = 2;
@@ -86,7 +89,33 @@ pub struct Multipliers {
     pub v: Matrix,
 }
 
+impl Multipliers {
+    /// Those that `spec` gives.
+    pub fn of(spec: &Spec) -> Self {
+        Self {
+            alpha_d: spec.design.alpha_d,
+            alpha_f: spec.design.alpha_f,
+            v: match spec.design.v {
+                MultiplierV::Name(VName::FTransposed) => f(spec).columns(0, 1).transpose(),
+                MultiplierV::Given(v) => Matrix::from_row_slice(1, 3, &v),
+            },
+        }
+    }
+}
+
 impl Theorem4 {
+    /// The theorem's data for the model, method and `inputs` of `spec`.
+    pub fn of(spec: &Spec, inputs: &Inputs) -> Self {
+        Self::new(
+            &model(spec),
+            &inputs.disturbances,
+            &inputs.fault,
+            inputs.weights,
+            &Multipliers::of(spec),
+            spec.design.decay,
+        )
+    }
+
     /// The theorem's data for a model, its inputs, multipliers and decay rate.
     pub fn new(
         model: &TsModel,

@@ -32,7 +32,9 @@ use crate::analysis::operating_point::{spectral_radius, square};
 use crate::lmi::affine::{Affine, Variables};
 use crate::lmi::matrix::{Matrix, Rows3, matrix, rows, smallest_eigenvalue};
 use crate::lmi::solve::minimise_with_cuts;
-use crate::problem::channel::{Channel, speed_memberships};
+use crate::problem::channel::speed_memberships;
+use crate::problem::inputs::{BoundedInput, bounded_inputs};
+use crate::problem::model::model;
 use crate::spec::{Noise, Spec, SpeedNoise, YawRateNoise};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::{Theorem4, VERTICES_OF_RHO};
@@ -117,19 +119,6 @@ impl PeakCertificate {
     }
 }
 
-/// An input by itself, in units of its bound.
-#[derive(Clone, Debug)]
-pub struct BoundedInput {
-    /// Name in reports.
-    pub name: String,
-    /// Its bound, in its unit.
-    pub bound: f64,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Its column.
-    pub channel: Channel,
-}
-
 /// The bounds of all inputs of `spec`, in their order, with their proofs; the name of the first
 /// input that has none is the error.
 ///
@@ -142,8 +131,8 @@ pub fn peak_bounds(
 ) -> Result<Vec<(InputBound, PeakCertificate)>, String> {
     let window = spec.evaluation.window_samples;
     let v_x_noise = spec.noise.bounds()[0].unwrap_or(0.0);
-    let memberships = speed_memberships(&spec.model(), v_x_noise);
-    let inputs = spec.bounded_inputs();
+    let memberships = speed_memberships(&model(spec), v_x_noise);
+    let inputs = bounded_inputs(spec);
     let bounds = inputs.into_par_iter().map(|BoundedInput { name, bound, unit, channel }| {
         let error = ErrorSystem::new(theorem, gains, &channel);
         let from_start = matrix(&gains.gains.m) * theorem.c.transpose() * &channel.noise;

@@ -1,32 +1,17 @@
 //! The C symbols.
 
-/// Makes the current `cdylib` an FMU of the given [`Model`](crate::Model): reserves the block that
-/// a design is baked into, and defines the 44 functions of FMI 2.0.
-///
-/// `export_fmi2!(Model, block = EXPRESSION)` takes a `&'static Block` from elsewhere: for tests,
-/// which have no library to bake into.
+/// Makes the current `cdylib` an FMU of the given [`Model`](steerguard_fmu_core::Model): defines the
+/// 44 functions of FMI 2.0. The numbers of the model are in `block`, an expression of type
+/// `&'static Block`.
 #[macro_export]
 macro_rules! export_fmi2 {
-    ($model:ty) => {
-        // The packaging tool finds the block by these names: see the module `baked`.
-        #[used]
-        #[cfg_attr(windows, unsafe(link_section = ".sguard"))]
-        #[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__steerguard"))]
-        #[cfg_attr(
-            not(any(windows, target_vendor = "apple")),
-            unsafe(link_section = ".steerguard")
-        )]
-        static BLOCK: $crate::Block = $crate::Block::UNBAKED;
-
-        $crate::export_fmi2!($model, block = &BLOCK);
-    };
     ($model:ty, block = $block:expr) => {
         struct ExportedFmu;
 
-        impl $crate::Fmu for ExportedFmu {
+        impl $crate::fmu_core::Fmu for ExportedFmu {
             type Model = $model;
 
-            fn block() -> &'static $crate::Block {
+            fn block() -> &'static $crate::fmu_core::Block {
                 $block
             }
         }
@@ -64,28 +49,6 @@ macro_rules! define_fmi2_functions {
                     }
                 }
             )+
-        }
-    };
-}
-
-/// For a `no_std` `cdylib`: links the C library, and defines the panic handler.
-///
-/// The handler calls a function that does not exist. Where no panic can be reached the linker drops
-/// it; where one can, the library does not link, and the build fails.
-#[macro_export]
-macro_rules! freestanding {
-    () => {
-        #[cfg_attr(not(windows), link(name = "c"))]
-        #[cfg_attr(windows, link(name = "msvcrt"))]
-        unsafe extern "C" {}
-
-        #[panic_handler]
-        fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-            unsafe extern "C" {
-                fn steerguard_a_panic_can_be_reached() -> !;
-            }
-            // SAFETY: never called: a library that refers to it does not link.
-            unsafe { steerguard_a_panic_can_be_reached() }
         }
     };
 }

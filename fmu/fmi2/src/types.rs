@@ -4,6 +4,8 @@
 
 use core::ffi::{c_char, c_int, c_uint, c_void};
 
+use steerguard_fmu_core::Status;
+
 pub use crate::functions::pointers as functions;
 
 /// Instance of an FMU.
@@ -73,6 +75,18 @@ impl fmi2Status {
     pub const fmi2Fatal: Self = Self(4);
     /// Asynchronous step under way.
     pub const fmi2Pending: Self = Self(5);
+}
+
+impl From<Status> for fmi2Status {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Ok => Self::fmi2OK,
+            Status::Warning => Self::fmi2Warning,
+            Status::Discard => Self::fmi2Discard,
+            Status::Error => Self::fmi2Error,
+            Status::Fatal => Self::fmi2Fatal,
+        }
+    }
 }
 
 /// Logger of the importer: environment, instance name, status, category, message as a printf

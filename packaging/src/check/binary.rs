@@ -7,8 +7,9 @@ use object::macho::{FatArch32, FatArch64};
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile};
 use object::{Architecture, BinaryFormat, FileKind, Object as _, ObjectSection as _};
-use steerguard_fmi2::{BLOCK_SIZE, BakedError, Function, baked};
+use steerguard_fmi2::Function;
 use steerguard_fmu::BakedDesign;
+use steerguard_fmu_core::{BLOCK_SIZE, BakedError, baked};
 use steerguard_model_description::detector::INFO as DETECTOR;
 use steerguard_model_description::xml::{Header, Implementation, digest};
 

@@ -45,7 +45,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use steerguard_designer::SpecError;
+use steerguard_designer::document::Mistakes;
 use steerguard_designer::spec::ActuatorTable;
 
 /// More communication points than this are taken for a mistake.
@@ -70,7 +70,7 @@ pub enum ScenarioError {
     Syntax(#[from] toml::de::Error),
     /// The actuator is not possible.
     #[error(transparent)]
-    Actuator(#[from] SpecError),
+    Actuator(#[from] Mistakes),
     /// A value is out of its range.
     #[error("`{key}` is {value}, must be {allowed}")]
     Value {
@@ -297,7 +297,9 @@ impl Scenario {
             }
         }
         if let Some(actuator) = &self.actuator {
-            actuator.check(ActuatorTable::LARGEST_DELAY_S)?;
+            let mut mistakes = Mistakes::default();
+            actuator.check(ActuatorTable::LARGEST_DELAY_S, &mut mistakes);
+            mistakes.into_result()?;
         }
         Ok(())
     }

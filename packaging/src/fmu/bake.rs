@@ -1,7 +1,7 @@
 //! Writing a design into the shared library of an FMU: data into a reserved section, no compiler.
 
 use object::{Object as _, ObjectSection as _};
-use steerguard_fmi2::{SealError, baked};
+use steerguard_fmu_core::{SealError, baked};
 
 use crate::platform::Platform;
 

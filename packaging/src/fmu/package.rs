@@ -3,8 +3,8 @@
 use std::io;
 
 use steerguard_detector::Vehicle;
-use steerguard_fmi2::Model;
 use steerguard_fmu::{BakedDesign, DesignError, DetectorModel};
+use steerguard_fmu_core::Model;
 use steerguard_model_description::{DefaultExperiment, xml};
 use steerguard_plant::{PlantModel, PlantVariable};
 

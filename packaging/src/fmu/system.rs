@@ -13,8 +13,8 @@ use std::io;
 
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
-use steerguard_fmi2::Model;
 use steerguard_fmu::{BakedDesign, DetectorModel};
+use steerguard_fmu_core::Model;
 use steerguard_model_description::unit::BASE_UNITS;
 use steerguard_model_description::{
     Causality, DefaultExperiment, Kind, Unit, Value, Variable, VariableSet,

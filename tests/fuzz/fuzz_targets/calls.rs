@@ -11,8 +11,8 @@ use std::sync::LazyLock;
 use libfuzzer_sys::fuzz_target;
 use steerguard_conformance_tests::Functions;
 use steerguard_conformance_tests::random_calls::{Fmu, run};
-use steerguard_fmi2::Block;
 use steerguard_fmu::DetectorModel;
+use steerguard_fmu_core::Block;
 use steerguard_model_description::VariableSet;
 use steerguard_model_description::detector::DetectorVariable;
 

@@ -1,11 +1,12 @@
 //! Steps, derivatives, status.
 
+use steerguard_fmu_core::Fmu;
 use steerguard_model_description::LogCategory;
 
 use super::{OK, array, call, place};
+use crate::Function;
 use crate::instance::Instance;
 use crate::types::*;
-use crate::{Fmu, Function};
 
 pub unsafe fn fmi2DoStep<F: Fmu>(
     c: fmi2Component,
@@ -35,8 +36,12 @@ pub unsafe fn fmi2SetRealInputDerivatives<F: Fmu>(
             let order = array(order, nvr).ok_or_else(|| instance.null(function, "order"))?;
             let value = array(value, nvr).ok_or_else(|| instance.null(function, "value"))?;
             let derivatives = vr.iter().zip(order).zip(value);
+            let derivatives = derivatives.map(|((&vr, &order), &value)| (vr, order, value));
             instance
-                .set_derivatives(derivatives.map(|((&vr, &order), &value)| (vr, order, value)))?;
+                .machine
+                .run
+                .set_derivatives(derivatives)
+                .map_err(|refusal| instance.refuse_access(function, refusal))?;
             Ok(OK)
         })
     }
@@ -97,11 +102,10 @@ unsafe fn inquire<F: Fmu, T>(
         call::<F>(c, function, |instance, function| {
             let value = place(value).ok_or_else(|| instance.null(function, "value"))?;
             let Some(answer) = answer(instance) else {
-                let status = fmi2Status::fmi2Discard;
-                instance.environment.log(LogCategory::StatusDiscard, status, |text| {
+                instance.environment.log().message(LogCategory::StatusDiscard, |text| {
                     text.str(function.name()).str(": no such status, steps are synchronous");
                 });
-                return Err(status);
+                return Err(fmi2Status::fmi2Discard);
             };
             value.write(answer);
             Ok(OK)
@@ -124,7 +128,7 @@ pub unsafe fn fmi2GetRealStatus<F: Fmu>(
     value: *mut fmi2Real,
 ) -> fmi2Status {
     let answer = |instance: &Instance<F::Model>| {
-        (kind == fmi2LastSuccessfulTime).then_some(instance.machine.clock.point)
+        (kind == fmi2LastSuccessfulTime).then_some(instance.machine.run.clock.point)
     };
     // SAFETY: the contract of this module.
     unsafe { inquire::<F, _>(c, Function::fmi2GetRealStatus, value, answer) }

@@ -2,13 +2,14 @@
 
 use core::ptr;
 
+use steerguard_fmu_core::{BakedError, Fmu, Guid, baked};
 use steerguard_model_description::LogCategory;
 
 use super::{OK, array, call, enter, string};
-use crate::instance::{Guid, Instance, Machine};
-use crate::log::Environment;
+use crate::environment::Environment;
+use crate::instance::{Instance, Machine};
 use crate::types::*;
-use crate::{CallState, Fmu, Function, baked, memory};
+use crate::{CallState, Function};
 
 pub unsafe fn fmi2GetTypesPlatform<F: Fmu>() -> fmi2String {
     c"default".as_ptr()
@@ -49,13 +50,14 @@ pub unsafe fn fmi2Instantiate<F: Fmu>(
             return Err("this FMU is for Co-Simulation, not for Model Exchange");
         }
         let block = F::block().load();
-        let baked = baked::open(&block).map_err(baked::BakedError::description)?;
+        let baked = baked::open(&block).map_err(BakedError::description)?;
         if guid.to_bytes() != baked.guid.as_bytes() {
             return Err("the GUID is not the one baked into this library: binary and description \
                         come from different FMUs");
         }
         let machine = Machine::<F::Model>::fresh(baked.payload)?;
-        let memory = memory::allocate::<Instance<F::Model>>(&callbacks).ok_or("out of memory")?;
+        let memory = environment.memory().allocate::<Instance<F::Model>>();
+        let memory = memory.ok_or("out of memory")?;
         Ok((memory, machine, Guid::new(baked.guid)))
     };
     match prepare() {
@@ -69,7 +71,7 @@ pub unsafe fn fmi2Instantiate<F: Fmu>(
         }
         Err(reason) => {
             // There is no instance to ask for the reason: it is logged whatever is enabled.
-            environment.send(LogCategory::StatusError, fmi2Status::fmi2Error, |text| {
+            environment.log().message_anyway(LogCategory::StatusError, |text| {
                 text.str("fmi2Instantiate: ").str(reason);
             });
             ptr::null_mut()
@@ -80,10 +82,10 @@ pub unsafe fn fmi2Instantiate<F: Fmu>(
 pub unsafe fn fmi2FreeInstance<F: Fmu>(c: fmi2Component) {
     // SAFETY: the contract of this module.
     let Ok(instance) = (unsafe { enter::<F>(c, Function::fmi2FreeInstance) }) else { return };
-    let callbacks = instance.environment.callbacks;
-    // SAFETY: the instance was allocated with these callbacks and, by the contract of this module,
+    let memory = instance.environment.memory();
+    // SAFETY: the instance was allocated from this memory and, by the contract of this module,
     // is not used any more. It owns nothing that would have to be dropped.
-    unsafe { memory::release(&callbacks, c) };
+    unsafe { memory.release(c) };
 }
 
 pub unsafe fn fmi2SetDebugLogging<F: Fmu>(
@@ -154,7 +156,7 @@ pub unsafe fn fmi2Reset<F: Fmu>(c: fmi2Component) -> fmi2Status {
         call::<F>(c, Function::fmi2Reset, |instance, function| {
             let block = F::block().load();
             instance.machine = baked::open(&block)
-                .map_err(baked::BakedError::description)
+                .map_err(BakedError::description)
                 .and_then(|baked| Machine::fresh(baked.payload))
                 .map_err(|reason| instance.refuse_because(function, reason))?;
             instance.set_logging(instance.logging_on, core::iter::empty());

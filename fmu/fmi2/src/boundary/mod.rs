@@ -26,9 +26,11 @@ pub use life_cycle::*;
 pub use states::*;
 pub use values::*;
 
+use steerguard_fmu_core::{Fmu, Model};
+
+use crate::Function;
 use crate::instance::Instance;
 use crate::types::{fmi2Component, fmi2Status, fmi2String};
-use crate::{Fmu, Function, Model};
 
 const OK: fmi2Status = fmi2Status::fmi2OK;
 

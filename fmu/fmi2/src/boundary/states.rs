@@ -4,10 +4,11 @@
 
 use core::{ptr, slice};
 
+use steerguard_fmu_core::{Fmu, Memory, fields, saved_state};
+
 use super::{OK, array, array_mut, call, place};
-use crate::archive;
+use crate::Function;
 use crate::types::*;
-use crate::{Fmu, Function, memory};
 
 /// A saved state in memory: its length, then that many bytes.
 #[repr(C)]
@@ -29,7 +30,7 @@ impl SavedState {
 
     /// Room for `length` bytes at `*state`: what is there if it has that length, or new.
     unsafe fn prepare<'a>(
-        callbacks: &fmi2CallbackFunctions,
+        memory: Memory,
         state: *mut fmi2FMUstate,
         length: usize,
     ) -> Result<&'a mut [u8], &'static str> {
@@ -38,13 +39,13 @@ impl SavedState {
         let old: *const Self = state.cast_const().cast();
         // SAFETY: by the contract of this module the state is NULL or one that was made here.
         if unsafe { old.as_ref() }.is_none_or(|old| old.length != length) {
-            let new = memory::allocate_bytes(callbacks, size_of::<Self>().saturating_add(length));
+            let new = memory.allocate_bytes(size_of::<Self>().saturating_add(length));
             let new = new.ok_or("out of memory")?;
             // SAFETY: the memory is aligned and large enough for the length; `*state` is NULL or,
             // being replaced, not used any more.
             unsafe {
                 new.cast::<usize>().write(length);
-                memory::release(callbacks, *state);
+                memory.release(*state);
             }
             *state = new.as_ptr();
         }
@@ -59,11 +60,11 @@ pub unsafe fn fmi2GetFMUstate<F: Fmu>(c: fmi2Component, state: *mut fmi2FMUstate
     unsafe {
         call::<F>(c, Function::fmi2GetFMUstate, |instance, function| {
             let machine = &mut instance.machine;
-            let length = archive::length(|archive| machine.archive(archive));
-            let bytes = SavedState::prepare(&instance.environment.callbacks, state, length)
+            let length = saved_state::length(|archive| machine.archive(archive));
+            let bytes = SavedState::prepare(instance.environment.memory(), state, length)
                 .map_err(|reason| instance.refuse_because(function, reason))?;
             let machine = &mut instance.machine;
-            if archive::write(bytes, &instance.guid, |archive| machine.archive(archive)) {
+            if saved_state::write(bytes, &instance.guid, |archive| machine.archive(archive)) {
                 Ok(OK)
             } else {
                 Err(instance.refuse_because(function, "the state cannot be saved"))
@@ -89,7 +90,7 @@ pub unsafe fn fmi2FreeFMUstate<F: Fmu>(c: fmi2Component, state: *mut fmi2FMUstat
     unsafe {
         call::<F>(c, Function::fmi2FreeFMUstate, |instance, _| {
             if let Some(state) = state.as_mut() {
-                memory::release(&instance.environment.callbacks, *state);
+                instance.environment.memory().release(*state);
                 *state = ptr::null_mut();
             }
             Ok(OK)
@@ -153,9 +154,9 @@ pub unsafe fn fmi2DeSerializeFMUstate<F: Fmu>(
             let bytes = array(serialized.cast::<u8>(), size)
                 .ok_or_else(|| instance.null(function, "serializedState"))?;
             instance.restored(function, bytes)?;
-            let buffer = SavedState::prepare(&instance.environment.callbacks, state, size)
+            let buffer = SavedState::prepare(instance.environment.memory(), state, size)
                 .map_err(|reason| instance.refuse_because(function, reason))?;
-            archive::copy(bytes, buffer);
+            fields::copy(bytes, buffer);
             Ok(OK)
         })
     }

@@ -1,10 +1,11 @@
 //! Getting and setting values.
 
+use steerguard_fmu_core::{AccessRefusal, Fmu, Model, Run};
 use steerguard_model_description::{Value, VariableSet};
 
 use super::{OK, array, array_mut, call, string};
+use crate::Function;
 use crate::types::*;
-use crate::{Fmu, Function, Model};
 
 /// Gets values of the type that `pick` knows.
 unsafe fn get<F: Fmu, T>(
@@ -21,10 +22,13 @@ unsafe fn get<F: Fmu, T>(
             let vr = array(vr, nvr).ok_or_else(|| instance.null(function, "vr"))?;
             let value = array_mut(value, nvr).ok_or_else(|| instance.null(function, "value"))?;
             for (&vr, value) in vr.iter().zip(value) {
-                let (variable, row) = instance.find(function, vr)?;
-                match pick(instance.machine.model.get(variable)) {
+                let (variable, row) = Run::<F::Model>::find(vr)
+                    .map_err(|refusal| instance.refuse_access(function, refusal))?;
+                match pick(instance.machine.run.model.get(variable)) {
                     Some(got) => value.write(got),
-                    None => return Err(instance.wrong_type(function, row)),
+                    None => {
+                        return Err(instance.refuse_access(function, AccessRefusal::WrongType(row)));
+                    }
                 };
             }
             Ok(OK)
@@ -53,7 +57,7 @@ unsafe fn set<'a, F: Fmu, T: Copy + 'a>(
             }
             for (&vr, &value) in vr.iter().zip(value) {
                 if let (Some(value), Some(&variable)) = (wrap(value), all.get(vr as usize)) {
-                    instance.machine.model.set(variable, value);
+                    instance.machine.run.model.set(variable, value);
                 }
             }
             Ok(OK)

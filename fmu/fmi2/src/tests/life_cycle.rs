@@ -3,11 +3,13 @@
 use std::ffi::CStr;
 use std::ptr;
 
+use steerguard_fmu_core::{BLOCK_SIZE, Block};
+
 use super::fmi2::*;
 use super::toy::{PAYLOAD, ToyVariable as V};
 use super::{BLOCK, ERROR, EXHAUSTED, GUID, Importer, LIVE, OK, WARNING, sealed};
+use crate::CallState;
 use crate::types::*;
-use crate::{Block, CallState};
 
 #[test]
 fn instantiation_is_refused_with_the_reason() {
@@ -16,7 +18,7 @@ fn instantiation_is_refused_with_the_reason() {
         let mut bytes = block;
         bytes[70] ^= 1;
         // SAFETY: a block is its bytes.
-        Box::leak(Box::new(unsafe { std::mem::transmute::<[u8; crate::BLOCK_SIZE], Block>(bytes) }))
+        Box::leak(Box::new(unsafe { std::mem::transmute::<[u8; BLOCK_SIZE], Block>(bytes) }))
     };
     static UNBAKED: Block = Block::UNBAKED;
     let good = sealed("{toy}", &PAYLOAD);

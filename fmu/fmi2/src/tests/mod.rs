@@ -16,9 +16,11 @@ use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_void};
 use std::ptr;
 
+use steerguard_fmu_core::Block;
+
+use crate::CallState;
 use crate::instance::Instance;
 use crate::types::*;
-use crate::{Block, CallState};
 
 const GUID: &CStr = c"{toy}";
 

@@ -156,7 +156,7 @@ fn a_state_with_impossible_contents_is_refused_even_with_a_valid_checksum() {
     ] {
         let mut forged = saved.clone();
         forged[header + place..header + place + bytes.len()].copy_from_slice(&bytes);
-        let crc = crate::archive::CRC.checksum(&forged[header..]).to_le_bytes();
+        let crc = steerguard_fmu_core::fields::checksum(&forged[header..]).to_le_bytes();
         forged[header - 4..header].copy_from_slice(&crc);
         assert_eq!(component.restore(&forged), ERROR, "{place}");
         assert!(importer.last().ends_with("its contents are not those of a state"));

@@ -2,12 +2,10 @@
 
 use std::ffi::CStr;
 
+use steerguard_fmu_core::{Archive, Log, Model, Status};
 use steerguard_model_description::{
     EnumerationItem, EnumerationType, Kind, ModelInfo, Role, Value, unit, variables,
 };
-
-use crate::types::fmi2Status;
-use crate::{Archive, Log, Model};
 
 /// Sample period of the toy, s.
 pub const PERIOD: f64 = 0.01;
@@ -121,16 +119,16 @@ impl Model for Toy {
         if self.mode == 2 { Err("the toy was told to fail") } else { Ok(()) }
     }
 
-    fn sample(&mut self, log: &Log<'_>) -> fmi2Status {
+    fn sample(&mut self, log: &Log<'_>) -> Status {
         match self.order {
-            -1 => return fmi2Status::fmi2Discard,
+            -1 => return Status::Discard,
             -2 => {
                 log.error(|text| {
                     text.str("the toy broke");
                 });
-                return fmi2Status::fmi2Error;
+                return Status::Error;
             }
-            -3 => return fmi2Status::fmi2Fatal,
+            -3 => return Status::Fatal,
             -4 => log.warning(|text| {
                 text.str("careful");
             }),
@@ -143,7 +141,7 @@ impl Model for Toy {
         if !self.hold {
             self.output += self.gain * self.input * self.period;
         }
-        if self.order == -4 { fmi2Status::fmi2Warning } else { fmi2Status::fmi2OK }
+        if self.order == -4 { Status::Warning } else { Status::Ok }
     }
 
     fn archive(&mut self, archive: &mut Archive<'_>) {

@@ -1,0 +1,96 @@
+//! `[design]`: how the gains are found.
+
+use serde::{Deserialize, Serialize};
+
+use crate::document::{Allowed, Mistake, Mistakes};
+
+/// `[design]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Method {
+    /// Which method; default "gap".
+    pub method: MethodName,
+    /// Disturbance attenuation to hold: residual per unit of the first disturbance, the others
+    /// counted in proportion to their bounds; default 0.8.
+    pub gamma: f64,
+    /// Multiplier of (31); default 2.
+    pub alpha_d: f64,
+    /// Multiplier of (32); default 1.
+    pub alpha_f: f64,
+    /// Multiplier of (32): "F'" or three numbers in the unit of F'; default "F'".
+    #[serde(rename = "V")]
+    pub v: MultiplierV,
+    /// Slowest decay of the error, a sample, for (33); default 0.97.
+    pub decay: f64,
+    /// beta of the synthesis as a fraction of the largest; default 0.97.
+    pub beta_fraction: f64,
+    /// Method "gap": number of syntheses; default 16.
+    pub search_budget: usize,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self {
+            method: MethodName::Gap,
+            gamma: 0.8,
+            alpha_d: 2.0,
+            alpha_f: 1.0,
+            v: MultiplierV::Name(VName::FTransposed),
+            decay: 0.97,
+            beta_fraction: 0.97,
+            search_budget: 16,
+        }
+    }
+}
+
+/// The methods there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MethodName {
+    /// A search for the largest detection ratio: over the multipliers of Theorem 4, then over the
+    /// gains themselves.
+    Gap,
+    /// Theorem 4 with given multipliers: largest beta, then smallest gamma near it.
+    Paper,
+}
+
+/// The multiplier V.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected \"F'\" or three numbers")]
+pub enum MultiplierV {
+    /// By name.
+    Name(VName),
+    /// By its numbers, in the unit of F'.
+    Given([f64; 3]),
+}
+
+/// Named choices of V.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum VName {
+    /// The transpose of F.
+    #[serde(rename = "F'")]
+    FTransposed,
+}
+
+impl Method {
+    /// Finds what is not possible by itself.
+    pub(super) fn check(&self, mistakes: &mut Mistakes) {
+        mistakes.number("design.gamma", self.gamma, Allowed::POSITIVE);
+        mistakes.number("design.alpha_d", self.alpha_d, Allowed::FINITE);
+        mistakes.number("design.alpha_f", self.alpha_f, Allowed::FINITE);
+        if let MultiplierV::Given(v) = self.v {
+            // The bound on beta is ||C V'|| / |alpha_f + exp(jw)|.
+            let proper = v.iter().all(|x| x.is_finite()) && (v[0] != 0.0 || v[2] != 0.0);
+            mistakes.unless(proper, || {
+                Mistake::value("design.V", v, "finite numbers, the first or third not zero")
+                    .help("beta cannot exceed ||C V'||")
+            });
+        }
+        mistakes.number("design.decay", self.decay, Allowed::inside(0.0, 1.0));
+        mistakes.number("design.beta_fraction", self.beta_fraction, Allowed::inside(0.0, 1.0));
+        let budget = self.search_budget;
+        mistakes.unless((1..=10_000).contains(&budget), || {
+            Mistake::value("design.search_budget", budget, "from 1 to 10000 syntheses")
+        });
+    }
+}

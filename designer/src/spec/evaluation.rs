@@ -1,0 +1,105 @@
+//! `[evaluation]`: how the residual is evaluated.
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::MAX_WINDOW;
+
+use super::Calibration;
+use crate::document::{Allowed, Mistake, Mistakes};
+
+/// `[evaluation]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Evaluation {
+    /// Window of the RMS; default 40.
+    pub window_samples: usize,
+    /// Diagonal of W_r for the residuals of v_x (per m/s) and r (per rad/s); default [0.1, 1], the
+    /// inverse proportion of their noise.
+    pub weights: [f64; 2],
+    /// How the threshold is found; default "adaptive".
+    pub threshold: ThresholdKind,
+    /// Threshold of kind "constant", on J once the start-up has passed; for no other kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub constant: Option<f64>,
+    /// Threshold over the level: of kinds "calibrated" and "adaptive" the largest of the calibration's
+    /// drives; of kind "guaranteed" the proven bound plus the simulated discretisation, so that it
+    /// stands for what neither holds, such as other vehicle data; default 1.1.
+    pub margin: f64,
+    /// Consecutive samples above the threshold that raise the alarm; default 1.
+    pub debounce_samples: u32,
+    /// The fault-free drives of the calibration.
+    pub calibration: Calibration,
+}
+
+impl Default for Evaluation {
+    fn default() -> Self {
+        Self {
+            window_samples: 40,
+            weights: [0.1, 1.0],
+            threshold: ThresholdKind::Adaptive,
+            constant: None,
+            margin: 1.1,
+            debounce_samples: 1,
+            calibration: Calibration::default(),
+        }
+    }
+}
+
+/// How the threshold is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ThresholdKind {
+    /// A given number.
+    Constant,
+    /// Largest level of simulated fault-free drives of the vehicle as specified, times a margin.
+    Calibrated,
+    /// That level and, sample by sample, the bound on what the uncertainties can do in the manoeuvre
+    /// driven; both times the largest ratio of J to their sum over simulated fault-free drives of
+    /// uncertain vehicles, times a margin.
+    Adaptive,
+    /// A proven bound on J for all disturbances and sensor noise within their bounds, plus the
+    /// largest level of simulated drives without either, times a margin. White noise has no bound: a
+    /// sensor with a white standard deviation must be given a bound too, which then is what counts.
+    Guaranteed,
+}
+
+impl Evaluation {
+    /// Finds what is not possible by itself.
+    pub(super) fn check(&self, mistakes: &mut Mistakes) {
+        let window = self.window_samples;
+        mistakes.unless((1..=MAX_WINDOW).contains(&window), || {
+            let allowed = format!("from 1 to {MAX_WINDOW}");
+            Mistake::value("evaluation.window_samples", window, allowed)
+        });
+        let weights = self.weights;
+        let proper = weights.iter().all(|&w| w >= 0.0 && w.is_finite()) && weights != [0.0, 0.0];
+        mistakes.unless(proper, || {
+            let allowed = "finite, not negative and not both zero";
+            Mistake::value("evaluation.weights", weights, allowed)
+        });
+        mistakes.number("evaluation.margin", self.margin, Allowed::between(1.0, 100.0));
+        match (self.threshold, self.constant) {
+            (ThresholdKind::Constant, Some(constant)) => {
+                mistakes.number("evaluation.constant", constant, Allowed::POSITIVE);
+            }
+            (ThresholdKind::Constant, None) => mistakes.add(
+                Mistake::value("evaluation.threshold", "constant", "with `evaluation.constant`")
+                    .help("state `constant`, the threshold on J, or take another kind"),
+            ),
+            (_, Some(constant)) => mistakes.add(
+                Mistake::value(
+                    "evaluation.constant",
+                    constant,
+                    "with threshold = \"constant\" only",
+                )
+                .help("remove it, or set threshold = \"constant\"")
+                .because_of("evaluation.threshold"),
+            ),
+            (_, None) => {}
+        }
+        let debounce = self.debounce_samples;
+        mistakes.unless(debounce >= 1, || {
+            Mistake::value("evaluation.debounce_samples", debounce, "1 or more")
+        });
+        self.calibration.check(mistakes);
+    }
+}

@@ -1,0 +1,203 @@
+//! The specification: vehicle, ranges, faults of interest, disturbances, method and evaluation.
+//!
+//! Read from TOML. Every key has a default; unknown keys and impossible values are refused by name.
+//! `examples/paper.toml` spells out every key, with the paper's values.
+//!
+//! # Conventions
+//! Units stand in the keys. Bands are in Hz, from 0 (low), up to the Nyquist frequency (high), or
+//! both (all frequencies).
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::{MAX_DELAY_SAMPLES, Vehicle};
+
+use crate::document::{self, Mistake, Mistakes};
+
+mod actuator;
+mod band;
+mod calibration;
+mod design;
+mod disturbance;
+mod evaluation;
+mod fault;
+mod noise;
+mod operating_range;
+mod sampling;
+mod uncertainty;
+mod vehicle;
+
+pub use actuator::ActuatorTable;
+pub(crate) use band::check_band;
+pub use calibration::{Calibration, Manoeuvre};
+pub use design::{Method, MethodName, MultiplierV, VName};
+pub use disturbance::Disturbance;
+pub(crate) use disturbance::GRAVITY;
+pub use evaluation::{Evaluation, ThresholdKind};
+pub use fault::Fault;
+pub use noise::{Noise, SpeedNoise, YawRateNoise};
+pub use operating_range::OperatingRangeTable;
+pub use sampling::Sampling;
+pub(crate) use uncertainty::AIR_KG_PER_M3;
+pub use uncertainty::UncertaintyTable;
+
+/// A specification.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Spec {
+    /// Vehicle data, Table 1 of the paper.
+    #[serde(with = "vehicle::VehicleTable")]
+    pub vehicle: Vehicle,
+    /// Design range S_x and arming.
+    pub operating_range: OperatingRangeTable,
+    /// Sampling.
+    pub sampling: Sampling,
+    /// The steering actuator, where `u.delta` is its command.
+    pub actuator: ActuatorTable,
+    /// Faults of interest: the gains are made for the first, the others are reported.
+    pub fault: Vec<Fault>,
+    /// Disturbances.
+    pub disturbance: Vec<Disturbance>,
+    /// Sensor noise; the default is that of a wheel-speed and a yaw-rate sensor of a production car.
+    pub noise: Noise,
+    /// What is not known of vehicle, road and air.
+    pub uncertainty: UncertaintyTable,
+    /// How the gains are found.
+    pub design: Method,
+    /// How the residual is evaluated.
+    pub evaluation: Evaluation,
+}
+
+impl Default for Spec {
+    /// The paper's vehicle and disturbance, sensors with noise, and method "gap".
+    fn default() -> Self {
+        Self {
+            vehicle: Vehicle::PAPER,
+            operating_range: OperatingRangeTable::default(),
+            sampling: Sampling::default(),
+            actuator: ActuatorTable::default(),
+            fault: vec![Fault::default()],
+            disturbance: vec![Disturbance::default()],
+            noise: Noise::default(),
+            uncertainty: UncertaintyTable::default(),
+            design: Method::default(),
+            evaluation: Evaluation::default(),
+        }
+    }
+}
+
+impl Spec {
+    /// The paper's own case: Theorem 4 with its multipliers, no sensor noise, W_r = I, Euler's steps as
+    /// they are, everything known.
+    pub fn paper() -> Self {
+        Self {
+            noise: Noise {
+                v_x: SpeedNoise { white_std_m_per_s: 0.0, ..SpeedNoise::default() },
+                r: YawRateNoise { white_std_rad_per_s: 0.0, ..YawRateNoise::default() },
+            },
+            sampling: Sampling { euler_correction: false, ..Sampling::default() },
+            uncertainty: UncertaintyTable::NONE,
+            design: Method { method: MethodName::Paper, ..Method::default() },
+            evaluation: Evaluation {
+                weights: [1.0, 1.0],
+                threshold: ThresholdKind::Calibrated,
+                margin: 1.25,
+                ..Evaluation::default()
+            },
+            ..Self::default()
+        }
+    }
+
+    /// Reads and checks a specification in TOML.
+    ///
+    /// # Errors
+    /// [`Mistakes`], each of which names the key, its value and what is allowed.
+    pub fn from_toml(text: &str) -> Result<Self, Mistakes> {
+        document::read(text, Self::find_mistakes)
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`Mistakes`]: every value that is not possible.
+    pub fn check(&self) -> Result<(), Mistakes> {
+        let mut mistakes = Mistakes::default();
+        self.find_mistakes(&mut mistakes);
+        mistakes.into_result()
+    }
+
+    /// Finds what is not possible by itself, then what is not in view of another table, unless that
+    /// has a mistake of its own.
+    fn find_mistakes(&self, mistakes: &mut Mistakes) {
+        vehicle::check(&self.vehicle, mistakes);
+        self.operating_range.check(mistakes);
+        self.sampling.check(mistakes);
+        self.check_euler_step(mistakes);
+        let period_known = mistakes.sound("sampling.period_s");
+
+        let largest_delay_s = period_known.then(|| self.largest_delay_s());
+        let of_actuator = largest_delay_s.unwrap_or(ActuatorTable::LARGEST_DELAY_S);
+        self.actuator.check(of_actuator, mistakes);
+        let actuator_known = mistakes.sound("actuator.delay_s");
+        let further_s = largest_delay_s.map(|largest_s| largest_s - self.actuator.delay_s);
+        self.uncertainty.check(further_s.filter(|_| actuator_known), mistakes);
+
+        let nyquist_hz = period_known.then(|| self.sampling.nyquist_hz());
+        count("fault", self.fault.len(), mistakes);
+        for (index, fault) in self.fault.iter().enumerate() {
+            fault.check(&format!("fault[{index}]"), nyquist_hz, mistakes);
+        }
+        count("disturbance", self.disturbance.len(), mistakes);
+        for (index, disturbance) in self.disturbance.iter().enumerate() {
+            disturbance.check(&format!("disturbance[{index}]"), nyquist_hz, mistakes);
+        }
+        self.noise.check(nyquist_hz, mistakes);
+
+        self.design.check(mistakes);
+        self.evaluation.check(mistakes);
+        if self.evaluation.threshold == ThresholdKind::Guaranteed {
+            self.noise.check_bounded(mistakes);
+        }
+        let (disturbances, v_y) = (self.disturbance.len(), self.operating_range.v_y_m_per_s);
+        self.evaluation.calibration.check_drives(disturbances, v_y, mistakes);
+    }
+
+    /// The Euler step must follow the lateral and yaw dynamics, fastest at the lowest speed.
+    fn check_euler_step(&self, mistakes: &mut Mistakes) {
+        let (speed, period) = ("operating_range.v_x_m_per_s", "sampling.period_s");
+        if !["vehicle", speed, period].into_iter().all(|key| mistakes.sound(key)) {
+            return;
+        }
+        let v = &self.vehicle;
+        let (c_f, c_r) =
+            (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let lateral = 2.0 * (c_f + c_r) / v.mass_kg;
+        let yaw = 2.0 * (c_f * l_f * l_f + c_r * l_r * l_r) / v.yaw_inertia_kg_m2;
+        let rate = lateral.max(yaw);
+        let lowest_speed = self.sampling.period_s * rate;
+        let [min, _] = self.operating_range.v_x_m_per_s;
+        mistakes.unless(min > lowest_speed, || {
+            let allowed = format!("min above {lowest_speed:.3} m/s");
+            Mistake::value(speed, self.operating_range.v_x_m_per_s, allowed)
+                .help(format!(
+                    "below it the lateral dynamics outrun sampling.period_s = {}: raise min, or set \
+                     the period below {:.4} s",
+                    self.sampling.period_s,
+                    // Rounded down.
+                    (min / rate * 1e4).floor() * 1e-4
+                ))
+                .because_of(period)
+        });
+    }
+
+    /// Longest dead time of the actuator, s.
+    fn largest_delay_s(&self) -> f64 {
+        let memory_s = MAX_DELAY_SAMPLES as f64 * self.sampling.period_s;
+        memory_s.min(ActuatorTable::LARGEST_DELAY_S)
+    }
+}
+
+/// Finds too few and too many tables of an array.
+fn count(key: &str, count: usize, mistakes: &mut Mistakes) {
+    let possible = (1..=8).contains(&count);
+    mistakes.unless(possible, || Mistake::value(key, count, "from 1 to 8 of them"));
+}

@@ -1,6 +1,0 @@
-//! `SteeringFaultDetector`: the shared library inside the FMU. All logic is in `steerguard-fmu`.
-#![no_std]
-#![allow(non_snake_case, reason = "the library is named after the FMU")]
-
-steerguard_fmi2::export_fmi2!(steerguard_fmu::DetectorModel);
-steerguard_fmi2::freestanding!();

@@ -1,0 +1,14 @@
+//! The steering-fault detector as an FMU model, and the numbers that are baked into its library.
+//!
+//! # Conventions
+//! - `doStep` runs the detector on its own grid; its outputs are those of the last sample run.
+//! - Before the first sample the residual is zero and `state` is Starting.
+//! - Which numbers a design consists of, and their bytes, is the business of [`BakedDesign`] alone.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+mod design;
+mod model;
+
+pub use design::{BakedDesign, DesignError};
+pub use model::DetectorModel;
