@@ -22,6 +22,7 @@ use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, FORMAT, Obstacle, Spec, Step, design,
 };
 use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor, rk4};
+use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::Refusal;
 
 use designed::designed;
@@ -55,15 +56,17 @@ fn near(value: f64, expected: f64, relative: f64) {
 fn papers_case_meets_its_reference_values() {
     let design = papers_design();
     let synthesis = &design.synthesis;
-    near(synthesis.beta_bound, 0.355856, 1e-5);
+    let largest_beta = ReferenceCase::read("largest_beta");
+    largest_beta.check("bound", synthesis.beta_bound);
     let largest = synthesis.largest_beta.as_ref().unwrap().beta;
-    near(largest, 0.355856, 1e-3);
+    largest_beta.check("solved", largest);
     assert!(largest < synthesis.beta_bound);
     near(synthesis.beta, 0.97 * synthesis.beta_bound, 1e-12);
-    near(synthesis.gamma, 0.00279, 0.01);
-    near(design.performance.frozen.beta, 0.492, 0.01);
-    near(design.performance.frozen.gamma, 0.00217, 0.01);
-    near(design.performance.spectral_radii[2], 0.934, 2e-3);
+    let reference = ReferenceCase::read("well_posed");
+    reference.check("gamma", synthesis.gamma);
+    reference.check("frozen_beta", design.performance.frozen.beta);
+    reference.check("frozen_gamma", design.performance.frozen.gamma);
+    reference.check("spectral_radius_at_30_m_per_s", design.performance.spectral_radii[2]);
     assert!(design.performance.spectral_radii.iter().all(|&radius| radius < 0.97));
     assert_eq!(synthesis.status, DesignStatus::Certified);
 }

@@ -156,6 +156,7 @@ impl Model for DetectorModel {
                 return Value::String(CStr::from_bytes_until_nul(&self.hash).unwrap_or(c""));
             }
             V::DesignSamplePeriod => configuration.model.sampling_period_s,
+            V::DesignCertified => return Value::Boolean(self.design.certified),
             V::DesignBeta => self.design.beta,
             V::DesignGamma => self.design.gamma,
             V::DesignGap => self.design.gap,
@@ -227,6 +228,7 @@ impl Model for DetectorModel {
             | V::FirstAlarmTime
             | V::DesignHash
             | V::DesignSamplePeriod
+            | V::DesignCertified
             | V::DesignBeta
             | V::DesignGamma
             | V::DesignGap

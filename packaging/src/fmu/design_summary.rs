@@ -273,6 +273,7 @@ pub fn baked(design: &Design) -> Result<BakedDesign, String> {
     let certified = design.performance.certified.as_ref();
     Ok(BakedDesign {
         hash: design.hash.as_bytes().try_into().map_err(|_| design.hash.clone())?,
+        certified: design.synthesis.status == DesignStatus::Certified,
         beta: certified.map_or(0.0, |x| x.beta),
         gamma: certified.map_or(0.0, |x| x.gamma),
         gap: certified.map_or(0.0, |x| x.gap),
