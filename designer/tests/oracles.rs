@@ -43,7 +43,7 @@ struct Observer {
 impl Observer {
     fn gains(&self, spec: &Spec) -> ObserverGains {
         let h: [Matrix; RULES] = self.h.each_ref().map(matrix);
-        let a = model(&spec).vertices().each_ref().map(matrix);
+        let a = model(spec).vertices().each_ref().map(matrix);
         ObserverGains::new(&matrix(&self.e), &h, &a)
     }
 }
