@@ -21,19 +21,17 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignError, Spec};
 use steerguard_detector::{
-    Actuator, Configuration, Detector, Deviations, Evaluation, Input, Monitor, RULES, TsModel,
-    VehicleState,
+    Actuator, Configuration, Detector, Deviations, Evaluation, Input, Measurement, Monitor, RULES,
+    TsModel, VehicleState,
 };
+use steerguard_test_support::cases::ReferenceCase;
 
 mod common;
 #[path = "common/designed.rs"]
 mod designed;
-#[path = "common/s1.rs"]
-mod s1;
 
 use common::papers_but;
 use designed::designed_with_few_drives;
-use s1::S1;
 
 const MODEL: TsModel = TsModel::PAPER;
 
@@ -53,7 +51,7 @@ proptest! {
     fn premise_sensitivity_is_the_slope_of_the_model(x in states()) {
         let prediction = |y: [f64; 2]| {
             let a = MODEL.a(1.0 / y[0], y[1]);
-            let g = MODEL.g(y);
+            let g = MODEL.g(Measurement { v_x_m_per_s: y[0], r_rad_per_s: y[1] });
             Vector3::from_fn(|row, _| (0..3).map(|k| a[row][k] * x[k]).sum::<f64>() + g[row])
         };
         let k = premise_sensitivity(&MODEL, x);
@@ -127,7 +125,8 @@ fn steady_state(v_x: f64, r: f64) -> (VehicleState, Input) {
     let mut found = Vector3::new(0.0, 0.0, 0.0); // v_y, delta, T_eng / 100 N m
     let drift = |p: &Vector3<f64>| {
         let x = [v_x, p[0], r];
-        let next = MODEL.step(x, [100.0 * p[2], p[1]]);
+        let u = Input { t_eng_n_m: 100.0 * p[2], delta_rad: p[1] };
+        let next = MODEL.step(x.into(), u).vector();
         Vector3::from_fn(|k, _| next[k] - x[k])
     };
     for _ in 0..20 {
@@ -138,7 +137,8 @@ fn steady_state(v_x: f64, r: f64) -> (VehicleState, Input) {
         found -= slope.lu().solve(&drift(&found)).unwrap();
     }
     assert!(drift(&found).amax() < 1e-13);
-    ([v_x, found[0], r], [100.0 * found[2], found[1]])
+    let u = Input { t_eng_n_m: 100.0 * found[2], delta_rad: found[1] };
+    ([v_x, found[0], r].into(), u)
 }
 
 fn detector() -> Detector {
@@ -171,9 +171,13 @@ fn residuals(
     let mut detector = detector();
     let residuals = errors
         .map(|v| {
-            let output = detector.sample([x[0] + v[0], x[2] + v[1]], u);
+            let y = Measurement {
+                v_x_m_per_s: x.v_x_m_per_s + v[0],
+                r_rad_per_s: x.r_rad_per_s + v[1],
+            };
+            let output = detector.sample(y, u);
             assert_eq!(output.monitor, Monitor::Monitoring);
-            Vector2::from(output.residual)
+            Vector2::from(output.residual.vector())
         })
         .collect();
     (x, residuals)
@@ -189,7 +193,7 @@ fn constant_sensor_offset_shows_as_predicted() {
             let (x, residuals) = residuals(v_x, r, std::iter::repeat_n(v, 4000));
             let simulated = residuals.last().unwrap();
 
-            let point = OperatingPoint::new(&MODEL, x);
+            let point = OperatingPoint::new(&MODEL, x.vector());
             let error = FrozenError::new(&point, &gains().gains, [1.0, 1.0]);
             let v = Vector2::from(v);
             let predicted = |from_noise| {
@@ -218,7 +222,7 @@ fn white_noise_raises_the_residual_as_predicted() {
             let squares = residuals[SETTLED..].iter().map(|x| x.norm_squared());
             let simulated = (squares.sum::<f64>() / (SAMPLES - SETTLED) as f64).sqrt();
 
-            let point = OperatingPoint::new(&MODEL, x);
+            let point = OperatingPoint::new(&MODEL, x.vector());
             let error = FrozenError::new(&point, &gains().gains, [1.0, 1.0]);
             // The mean of so many samples is itself uncertain by a part of that.
             near(&format!("{x:?}, {std:?}"), noise_rms(&error, std), simulated, 0.015);
@@ -230,15 +234,6 @@ const TORQUE: &str = r#"
     [[fault]]
     channel = "torque"
     smallest_n_m = 50
-"#;
-/// What S2 adds.
-const WHITE_NOISE: &str = r#"
-    [evaluation]
-    weights = [0.1, 1.0]
-    [noise.v_x]
-    white_std_m_per_s = 0.02
-    [noise.r]
-    white_std_rad_per_s = 0.002
 "#;
 
 fn designed(text: &str) -> Result<Design, DesignError> {
@@ -252,7 +247,7 @@ fn with_method(text: &str, method: &str) -> Design {
 /// S1 by method "gap", with a second fault.
 fn s1_by_gap() -> &'static Design {
     static DESIGN: OnceLock<Design> = OnceLock::new();
-    DESIGN.get_or_init(|| with_method(&format!("{S1}{TORQUE}"), "gap"))
+    DESIGN.get_or_init(|| with_method(&(ReferenceCase::read("s1").spec + TORQUE), "gap"))
 }
 
 /// Every figure on the right side of every other.
@@ -279,16 +274,17 @@ fn assert_ordered(design: &Design) {
 fn two_disturbances_come_near_the_limit() {
     let performance = &s1_by_gap().performance;
     assert_ordered(s1_by_gap());
-    assert!(performance.frozen.gap >= 11.2, "{}", performance.frozen.gap);
-    assert!(performance.certified.unwrap().gap >= 9.5, "{:?}", performance.certified);
-    // METHOD.md 7: with yaw rate, and without.
+    let reference = ReferenceCase::read("s1");
+    reference.check("frozen_gap_by_search", performance.frozen.gap);
+    reference.check("certified_gap_by_search", performance.certified.unwrap().gap);
     for point in &performance.operating_points {
-        let expected = if point.r_rad_per_s == 0.0 { 11.294 } else { 12.711 };
-        near("limit", point.limit.unwrap(), expected, 1e-3);
+        let turning = point.r_rad_per_s != 0.0;
+        let figure = if turning { "limit_while_turning" } else { "limit_at_r_0" };
+        reference.check(figure, point.limit.unwrap());
     }
     // Nothing but the ratio matters to the search: it holds beta where Theorem 4 would.
     let spec = &s1_by_gap().spec;
-    let bound = Theorem4::of(&spec, &Inputs::of(&spec).unwrap()).beta_bound();
+    let bound = Theorem4::of(spec, &Inputs::of(spec).unwrap()).beta_bound();
     near("beta", performance.frozen.beta, bound, 0.05);
 }
 
@@ -301,19 +297,20 @@ fn every_fault_is_reported() {
     assert!(torque.frozen.beta > 0.0 && torque.frozen.gamma == design.performance.frozen.gamma);
     near("gap", torque.frozen.gap, torque.frozen.beta * 50.0 / (torque.frozen.gamma * 0.5), 1e-12);
     assert_eq!(design.f[0].len(), 2);
-    assert!(designed(S1).unwrap().performance.other_faults.is_empty());
+    assert!(designed(&ReferenceCase::read("s1").spec).unwrap().performance.other_faults.is_empty());
 }
 
 #[test]
 fn search_multiplies_the_papers_detection_ratio_under_noise() {
-    let s2 = format!("{S1}{WHITE_NOISE}");
+    let reference = ReferenceCase::read("s2");
+    let s2 = ReferenceCase::read("s1").spec + &reference.spec;
     let [gap, paper] = ["gap", "paper"].map(|method| with_method(&s2, method));
     for design in [&gap, &paper] {
         assert_ordered(design);
     }
-    // METHOD.md 7.
-    near("paper", paper.performance.detection_ratio, 1.98, 0.03);
-    assert!(gap.performance.detection_ratio >= 7.0, "{}", gap.performance.detection_ratio);
+    let by = |design: &Design| design.performance.detection_ratio;
+    reference.check("detection_ratio_by_papers_constants", by(&paper));
+    reference.check("detection_ratio_by_search", by(&gap));
 }
 
 #[test]

@@ -44,6 +44,9 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
 
     progress.say("proving the design file");
     let proof = verify::Proof::of(&steerguard_verify::verify(&input::text(&design_file)?));
+    if !proof.holds {
+        return Err(Failure::no(proof.text()).at(design_file.display()));
+    }
     progress.say("packaging");
     let detector_file = folder.join(names::DETECTOR_FILE);
     let plant_file = folder.join(names::PLANT_FILE);
@@ -56,7 +59,7 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     let files = simulate::write(&simulation, folder)?;
     drop(progress);
 
-    let right = proof.holds && simulation.detections().all(Detection::is_right);
+    let right = simulation.detections().all(Detection::is_right);
     let outcome = Outcome {
         design: DesignSummary::of(&designed),
         proof,
