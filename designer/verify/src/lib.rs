@@ -35,6 +35,7 @@ mod dynamics;
 mod exact;
 mod family;
 mod figures;
+mod frozen;
 mod gains;
 mod identity;
 mod model;
@@ -69,5 +70,6 @@ pub fn verify(design: &str) -> Result<Verdict, Refusal> {
     let residues = dynamics::residues(&design)?;
     let proof = proof::prove(&design)?;
     figures::check(&design)?;
+    frozen::check(&design)?;
     Verdict::new(&design, hash, residues, proof)
 }

@@ -50,6 +50,17 @@ pub fn vertices(design: &Design) -> Vec<Matrix> {
     vertices
 }
 
+/// K at `[v_x, v_y, r]`.
+pub fn at(design: &Design, state: [f64; 3]) -> Matrix {
+    let [v_x, v_y, r] = state.map(exact);
+    derivative(&Coefficients::new(design), &of_speed(&v_x), &v_y, &r)
+}
+
+fn of_speed(v_x: &Rational) -> OfSpeed {
+    let s = v_x.recip();
+    [v_x.clone(), s.clone(), &s * &s]
+}
+
 /// Points whose hull holds `(v_x, s, s^2)` on a range of speeds.
 fn control_points([slowest, fastest]: [f64; 2]) -> [OfSpeed; 4] {
     let [s_0, s_1] = [fastest, slowest].map(|v_x| exact(v_x).recip());
@@ -100,11 +111,6 @@ pub mod tests {
     pub fn design() -> Design {
         let text = include_str!("../tests/fixtures/noise.json");
         Design::read(text).map(|(design, _)| design).unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    fn of_speed(v_x: &Rational) -> OfSpeed {
-        let s = v_x.recip();
-        [v_x.clone(), s.clone(), &s * &s]
     }
 
     /// Weights of the Bernstein polynomials of degree three at t.
