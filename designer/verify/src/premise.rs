@@ -1,4 +1,4 @@
-//! What sensor noise does by the measured premise (METHOD.md 5).
+//! What sensor noise does by the measured premise (method 5).
 //!
 //! With `y = C x + D_y v` the observer evaluates `A(xi) x + g(xi)` at the measured instead of the
 //! true premise. By the mean value theorem the difference is `K D_y v`, where K is the mean of
@@ -90,7 +90,7 @@ pub fn speed_memberships(design: &Design) -> [[Rational; 2]; 4] {
     })
 }
 
-/// `d[A(xi) x + g(xi)] / dy`, METHOD.md 5.
+/// `d[A(xi) x + g(xi)] / dy`, method 5.
 fn derivative(x: &Coefficients, [v_x, s, s_2]: &OfSpeed, v_y: &Rational, r: &Rational) -> Matrix {
     let [per_mass, per_inertia] = [&x.mass, &x.yaw_inertia].map(|inertia| &x.coupling / inertia);
     let rows = [

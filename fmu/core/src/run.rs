@@ -2,14 +2,10 @@
 
 use steerguard_model_description::{Causality, Value, VariableSet};
 
-use crate::access::AccessRefusal;
 use crate::clock::{Clock, Step};
+use crate::derivatives::{InputDerivatives, MAX_INPUTS};
+use crate::refusal::AccessRefusal;
 use crate::{Archive, Log, Model, Status};
-
-/// Most inputs a model may have.
-pub const MAX_INPUTS: usize = 16;
-/// Highest order of input derivatives.
-pub const MAX_ORDER: usize = 3;
 
 /// A model on its clock.
 #[derive(Clone)]
@@ -19,19 +15,6 @@ pub struct Run<M> {
     derivatives: InputDerivatives,
     /// The model.
     pub model: M,
-}
-
-/// Time derivatives of the inputs at the communication point, valid for the next step.
-#[derive(Clone, Copy)]
-struct InputDerivatives {
-    /// By value reference of the input, then by order less one.
-    orders: [[f64; MAX_ORDER]; MAX_INPUTS],
-    /// Whether any was set.
-    given: bool,
-}
-
-impl InputDerivatives {
-    const NONE: Self = Self { orders: [[0.0; MAX_ORDER]; MAX_INPUTS], given: false };
 }
 
 impl<M: Model> Run<M> {
