@@ -1,5 +1,5 @@
 /* The detector in plain C, in the manner of the Reference FMUs: what a careful C programmer would
- * write from METHOD.md 3 and 6 by hand, with the constants of the sample path computed once. The
+ * write from method 3 and 6 by hand, with the constants of the sample path computed once. The
  * operations on the data are in the same order as in the packaged library, so that the outputs are
  * equal bit for bit.
  *
