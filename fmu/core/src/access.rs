@@ -6,7 +6,6 @@ use steerguard_model_description::{
 
 use crate::Model;
 use crate::refusal::AccessRefusal;
-use crate::run::Run;
 
 /// A variable with its row of the table.
 pub type Entry<M> = (<M as Model>::Variable, &'static Variable);
@@ -28,38 +27,36 @@ fn is_real_input(row: &Variable, value: Value<'_>) -> bool {
         && matches!((&row.kind, value), (Kind::Real(_), Value::Real(_)))
 }
 
-impl<M: Model> Run<M> {
-    /// Finds a variable.
-    ///
-    /// # Errors
-    /// [`AccessRefusal::Unknown`].
-    #[inline]
-    pub fn find(vr: u32) -> Result<Entry<M>, AccessRefusal<'static>> {
-        let index = vr as usize;
-        let variable = <M::Variable as VariableSet>::ALL.get(index);
-        match variable.zip(<M::Variable as VariableSet>::TABLE.get(index)) {
-            Some((variable, row)) => Ok((*variable, row)),
-            None => Err(AccessRefusal::Unknown(vr)),
-        }
+/// Finds a variable.
+///
+/// # Errors
+/// [`AccessRefusal::Unknown`].
+#[inline]
+pub fn find<M: Model>(vr: u32) -> Result<Entry<M>, AccessRefusal<'static>> {
+    let index = vr as usize;
+    let variable = <M::Variable as VariableSet>::ALL.get(index);
+    match variable.zip(<M::Variable as VariableSet>::TABLE.get(index)) {
+        Some((variable, row)) => Ok((*variable, row)),
+        None => Err(AccessRefusal::Unknown(vr)),
     }
+}
 
-    /// The variable, if it may be set to a value before or after the end of initialisation.
-    #[inline]
-    pub fn settable(vr: u32, value: Value<'_>, initialised: bool) -> Option<M::Variable> {
-        let (variable, row) = Self::find(vr).ok()?;
-        let settable =
-            is_real_input(row, value) || may_set(row.role, initialised) && row.kind.admits(value);
-        settable.then_some(variable)
-    }
+/// The variable, if it may be set to a value before or after the end of initialisation.
+#[inline]
+pub fn settable<M: Model>(vr: u32, value: Value<'_>, initialised: bool) -> Option<M::Variable> {
+    let (variable, row) = find::<M>(vr).ok()?;
+    let settable =
+        is_real_input(row, value) || may_set(row.role, initialised) && row.kind.admits(value);
+    settable.then_some(variable)
+}
 
-    /// Why a variable is not [`settable`](Self::settable).
-    #[cold]
-    pub fn refusal_to_set(vr: u32, value: Value<'_>, initialised: bool) -> AccessRefusal<'_> {
-        match Self::find(vr) {
-            Err(refusal) => refusal,
-            Ok((_, row)) if !row.kind.is_type_of(value) => AccessRefusal::WrongType(row),
-            Ok((_, row)) if !may_set(row.role, initialised) => AccessRefusal::NotSettable(row),
-            Ok((_, row)) => AccessRefusal::OutOfRange(row, value),
-        }
+/// Why a variable is not [`settable`].
+#[cold]
+pub fn refusal_to_set<M: Model>(vr: u32, value: Value<'_>, initialised: bool) -> AccessRefusal<'_> {
+    match find::<M>(vr) {
+        Err(refusal) => refusal,
+        Ok((_, row)) if !row.kind.is_type_of(value) => AccessRefusal::WrongType(row),
+        Ok((_, row)) if !may_set(row.role, initialised) => AccessRefusal::NotSettable(row),
+        Ok((_, row)) => AccessRefusal::OutOfRange(row, value),
     }
 }

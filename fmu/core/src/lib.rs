@@ -13,6 +13,7 @@
 pub mod access;
 pub mod baked;
 pub mod clock;
+mod decimal;
 mod derivatives;
 mod export;
 pub mod fields;
@@ -27,7 +28,7 @@ mod status;
 mod text;
 
 pub use baked::{BLOCK_SIZE, Baked, BakedError, Block, PAYLOAD_CAPACITY, SealError, seal};
-pub use clock::{Clock, StepRefusal};
+pub use clock::{Clock, RunRefusal, Step, StepRefusal};
 pub use derivatives::{MAX_INPUTS, MAX_ORDER};
 pub use fields::Archive;
 pub use guid::{GUID_LENGTH, Guid};

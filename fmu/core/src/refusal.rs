@@ -1,9 +1,10 @@
 //! Why an importer does not get its way with a variable.
 
-use steerguard_model_description::{Causality, Value, Variability, Variable};
+use steerguard_model_description::{
+    Causality, EnumerationType, Kind, RealKind, Value, Variability, Variable,
+};
 
 use crate::Text;
-use crate::derivatives::MAX_ORDER;
 
 /// Why a variable cannot be treated as asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +20,12 @@ pub enum AccessRefusal<'v> {
     /// Derivatives belong to inputs.
     NotAnInput(&'static Variable),
     /// Derivatives of this order are not used.
-    Order(i32),
+    Order {
+        /// The order given.
+        order: i32,
+        /// The highest order that is used.
+        highest: usize,
+    },
 }
 
 impl AccessRefusal<'_> {
@@ -47,14 +53,14 @@ impl AccessRefusal<'_> {
                     Value::Integer(value) => text.integer(value.into()),
                     Value::Boolean(_) | Value::String(_) => text.str("that"),
                 };
-                text.str(": finite values between min and max are allowed");
+                allowed(&row.kind, text.str(": "));
             }
             Self::NotAnInput(row) => {
                 variable(row, text).str("is not an input");
             }
-            Self::Order(order) => {
+            Self::Order { order, highest } => {
                 text.str("derivatives of order ").integer(order.into());
-                text.str(" cannot be used, only 1 to ").integer(MAX_ORDER as i64);
+                text.str(" cannot be used, only 1 to ").integer(highest as i64);
             }
         }
     }
@@ -62,4 +68,32 @@ impl AccessRefusal<'_> {
 
 fn variable<'t>(row: &Variable, text: &'t mut Text) -> &'t mut Text {
     text.str("variable \"").str(row.name).str("\" ")
+}
+
+/// Says which values a type allows.
+fn allowed(kind: &Kind, text: &mut Text) {
+    match kind {
+        Kind::Real(RealKind { min: Some(min), max: Some(max), .. }) => {
+            text.real(*min).str(" to ").real(*max).str(" is allowed");
+        }
+        Kind::Real(RealKind { min: Some(min), .. }) => {
+            text.str("at least ").real(*min).str(" is allowed");
+        }
+        Kind::Real(RealKind { max: Some(max), .. }) => {
+            text.str("at most ").real(*max).str(" is allowed");
+        }
+        Kind::Integer { min, max } => {
+            text.integer((*min).into()).str(" to ").integer((*max).into()).str(" is allowed");
+        }
+        Kind::Enumeration(EnumerationType { items, .. }) => {
+            let mut separator = "its items are ";
+            for (item, value) in items.iter().zip(1..) {
+                text.str(separator).integer(value).str(" ").str(item.name);
+                separator = ", ";
+            }
+        }
+        Kind::Real(_) | Kind::Boolean | Kind::String => {
+            text.str("finite values are allowed");
+        }
+    }
 }

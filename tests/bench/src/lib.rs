@@ -12,11 +12,12 @@ use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
 use steerguard_designer::{Spec, design};
 use steerguard_detector::Configuration;
+use steerguard_fmi2::pointers;
 use steerguard_fmi2::types::{
-    fmi2CallbackFunctions, fmi2CoSimulation, fmi2False, fmi2Status, fmi2True, functions,
+    fmi2CallbackFunctions, fmi2CoSimulation, fmi2False, fmi2Status, fmi2True,
 };
-use steerguard_model_description::VariableSet;
 use steerguard_model_description::detector::DetectorVariable as V;
+use steerguard_model_description::{VariableSet, names};
 
 /// Why there is nothing to measure.
 pub type Error = Box<dyn std::error::Error>;
@@ -33,9 +34,9 @@ pub fn paper() -> Result<(Configuration, Vec<u8>), Error> {
 
 /// One detector behind the C interface.
 pub struct Detector {
-    set_real: functions::fmi2SetReal,
-    do_step: functions::fmi2DoStep,
-    get_real: functions::fmi2GetReal,
+    set_real: pointers::fmi2SetReal,
+    do_step: pointers::fmi2DoStep,
+    get_real: pointers::fmi2GetReal,
     component: *mut c_void,
     step_s: f64,
     steps: u64,
@@ -55,18 +56,18 @@ impl Detector {
         let guid = CString::new(guid.ok_or("no guid")?)?;
         let platform = Platform::HOST.ok_or("FMUs do not run here")?;
         let mut library = tempfile::NamedTempFile::new()?;
-        let name = platform.library_path("SteeringFaultDetector");
+        let name = platform.library_path(names::DETECTOR);
         std::io::copy(&mut archive.by_name(&name)?, &mut library)?;
 
         let code = load(library.path())?;
         // SAFETY: the FMI 2.0 headers declare the functions with these types.
         let (instantiate, setup, enter, exit) = unsafe {
             (
-                *code.get::<functions::fmi2Instantiate>("fmi2Instantiate")?,
-                *code.get::<functions::fmi2SetupExperiment>("fmi2SetupExperiment")?,
+                *code.get::<pointers::fmi2Instantiate>("fmi2Instantiate")?,
+                *code.get::<pointers::fmi2SetupExperiment>("fmi2SetupExperiment")?,
                 *code
-                    .get::<functions::fmi2EnterInitializationMode>("fmi2EnterInitializationMode")?,
-                *code.get::<functions::fmi2ExitInitializationMode>("fmi2ExitInitializationMode")?,
+                    .get::<pointers::fmi2EnterInitializationMode>("fmi2EnterInitializationMode")?,
+                *code.get::<pointers::fmi2ExitInitializationMode>("fmi2ExitInitializationMode")?,
             )
         };
         // The FMU may keep the pointer: it lives as long as the process.
@@ -128,9 +129,9 @@ impl Detector {
         // SAFETY: both libraries define these functions with the standard's types.
         let (set_real, do_step, get_real) = unsafe {
             (
-                *code.get::<functions::fmi2SetReal>("fmi2SetReal")?,
-                *code.get::<functions::fmi2DoStep>("fmi2DoStep")?,
-                *code.get::<functions::fmi2GetReal>("fmi2GetReal")?,
+                *code.get::<pointers::fmi2SetReal>("fmi2SetReal")?,
+                *code.get::<pointers::fmi2DoStep>("fmi2DoStep")?,
+                *code.get::<pointers::fmi2GetReal>("fmi2GetReal")?,
             )
         };
         Ok(Self { set_real, do_step, get_real, component, step_s, steps: 0, _code: code })
