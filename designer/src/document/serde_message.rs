@@ -12,6 +12,11 @@ const SHOWN: usize = 24;
 /// Names at least this similar may have been meant (Sorensen-Dice).
 const SIMILAR: f64 = 0.5;
 
+/// How TOML is written.
+const GRAMMAR: &str =
+    "write `key = value`: numbers as 1450 or 1.5e3, texts in quotes, lists as [1, 2]; `[table]` begins \
+     a table, `[[table]]` one more of several";
+
 /// A mistake of the parser's.
 pub(super) fn syntax(error: &Error, text: &str) -> Mistake {
     let at = error.span().unwrap_or(0..0);
@@ -19,7 +24,7 @@ pub(super) fn syntax(error: &Error, text: &str) -> Mistake {
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
     let message = error.message().to_string();
-    Mistake::new("", MistakeKind::Syntax { message, at, position: [line, column] })
+    Mistake::new("", MistakeKind::Syntax { message, at, position: [line, column] }).help(GRAMMAR)
 }
 
 /// Whether `error` refuses a value for itself, not a key.

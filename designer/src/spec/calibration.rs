@@ -136,7 +136,9 @@ impl Calibration {
                 let allowed = Allowed::between(min, max);
                 mistakes.unless(allowed.holds(v_y), || {
                     let key = format!("{table}.initial_v_y_m_per_s[{index}]");
-                    Mistake::value(key, v_y, allowed).because_of(range)
+                    Mistake::value(key, v_y, allowed)
+                        .help("set initial lateral speeds within the range")
+                        .because_of(range)
                 });
             }
         }
