@@ -19,7 +19,7 @@ const RUNTIMES: [(&str, &str, &str); 2] = [
 
 /// What the runtimes are built from, relative to the workspace.
 const SOURCES: [&str; 6] =
-    ["Cargo.toml", "Cargo.lock", "detector", "modelDescription", "fmu", "tests/plant"];
+    ["Cargo.toml", "Cargo.lock", "detector", "designer/world", "modelDescription", "fmu"];
 
 /// Variables that cargo and rustc need to find themselves and the registry; all others stay behind.
 const KEPT: [&str; 12] = [

@@ -21,18 +21,18 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignError, Spec};
 use steerguard_detector::{
-    Actuator, Configuration, Detector, Deviations, Evaluation, Input, Monitor, RULES, TsModel,
-    VehicleState,
+    Actuator, Configuration, Detector, Deviations, Evaluation, Input, Measurement, Monitor, RULES,
+    TsModel, VehicleState,
 };
 
 mod common;
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 #[path = "common/s1.rs"]
 mod s1;
 
 use common::papers_but;
-use few_drives::designed_with_few_drives;
+use designed::designed_with_few_drives;
 use s1::S1;
 
 const MODEL: TsModel = TsModel::PAPER;
@@ -53,7 +53,7 @@ proptest! {
     fn premise_sensitivity_is_the_slope_of_the_model(x in states()) {
         let prediction = |y: [f64; 2]| {
             let a = MODEL.a(1.0 / y[0], y[1]);
-            let g = MODEL.g(y);
+            let g = MODEL.g(Measurement { v_x_m_per_s: y[0], r_rad_per_s: y[1] });
             Vector3::from_fn(|row, _| (0..3).map(|k| a[row][k] * x[k]).sum::<f64>() + g[row])
         };
         let k = premise_sensitivity(&MODEL, x);
@@ -127,7 +127,8 @@ fn steady_state(v_x: f64, r: f64) -> (VehicleState, Input) {
     let mut found = Vector3::new(0.0, 0.0, 0.0); // v_y, delta, T_eng / 100 N m
     let drift = |p: &Vector3<f64>| {
         let x = [v_x, p[0], r];
-        let next = MODEL.step(x, [100.0 * p[2], p[1]]);
+        let u = Input { t_eng_n_m: 100.0 * p[2], delta_rad: p[1] };
+        let next = MODEL.step(x.into(), u).vector();
         Vector3::from_fn(|k, _| next[k] - x[k])
     };
     for _ in 0..20 {
@@ -138,7 +139,8 @@ fn steady_state(v_x: f64, r: f64) -> (VehicleState, Input) {
         found -= slope.lu().solve(&drift(&found)).unwrap();
     }
     assert!(drift(&found).amax() < 1e-13);
-    ([v_x, found[0], r], [100.0 * found[2], found[1]])
+    let u = Input { t_eng_n_m: 100.0 * found[2], delta_rad: found[1] };
+    ([v_x, found[0], r].into(), u)
 }
 
 fn detector() -> Detector {
@@ -171,9 +173,13 @@ fn residuals(
     let mut detector = detector();
     let residuals = errors
         .map(|v| {
-            let output = detector.sample([x[0] + v[0], x[2] + v[1]], u);
+            let y = Measurement {
+                v_x_m_per_s: x.v_x_m_per_s + v[0],
+                r_rad_per_s: x.r_rad_per_s + v[1],
+            };
+            let output = detector.sample(y, u);
             assert_eq!(output.monitor, Monitor::Monitoring);
-            Vector2::from(output.residual)
+            Vector2::from(output.residual.vector())
         })
         .collect();
     (x, residuals)
@@ -189,7 +195,7 @@ fn constant_sensor_offset_shows_as_predicted() {
             let (x, residuals) = residuals(v_x, r, std::iter::repeat_n(v, 4000));
             let simulated = residuals.last().unwrap();
 
-            let point = OperatingPoint::new(&MODEL, x);
+            let point = OperatingPoint::new(&MODEL, x.vector());
             let error = FrozenError::new(&point, &gains().gains, [1.0, 1.0]);
             let v = Vector2::from(v);
             let predicted = |from_noise| {
@@ -218,7 +224,7 @@ fn white_noise_raises_the_residual_as_predicted() {
             let squares = residuals[SETTLED..].iter().map(|x| x.norm_squared());
             let simulated = (squares.sum::<f64>() / (SAMPLES - SETTLED) as f64).sqrt();
 
-            let point = OperatingPoint::new(&MODEL, x);
+            let point = OperatingPoint::new(&MODEL, x.vector());
             let error = FrozenError::new(&point, &gains().gains, [1.0, 1.0]);
             // The mean of so many samples is itself uncertain by a part of that.
             near(&format!("{x:?}, {std:?}"), noise_rms(&error, std), simulated, 0.015);

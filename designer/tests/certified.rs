@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod common;
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 #[path = "common/s1.rs"]
 mod s1;
 
@@ -25,7 +25,7 @@ use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::{Refusal, verify};
 
 use common::papers_but;
-use few_drives::designed_with_few_drives;
+use designed::designed_with_few_drives;
 use s1::S1;
 
 const PAPER: &str = include_str!("../../examples/paper.toml");

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "common/designed.rs"]
+mod designed;
+
 use std::sync::OnceLock;
 
 use steerguard_designer::analysis::certificate::{check, error_dynamics};
@@ -18,7 +21,9 @@ use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, Obstacle, Spec, Step, design,
 };
-use steerguard_detector::{Detector, Initialisation, Monitor, rk4};
+use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor, rk4};
+
+use designed::designed;
 
 /// The paper's case with few drives in the calibration, among them the worst.
 fn spec() -> Spec {
@@ -34,10 +39,6 @@ fn spec() -> Spec {
         ..Calibration::default()
     };
     spec
-}
-
-fn designed(spec: &Spec) -> Result<Design, DesignError> {
-    design(spec, &mut |_| {})
 }
 
 fn papers_design() -> &'static Design {
@@ -157,13 +158,15 @@ fn start_up_residual_obeys_its_bound_under_switching() {
 fn scenario(design: &Design, v_x: f64, v_y: f64, fault_deg: f64) -> (Option<u64>, f64) {
     let vehicle = design.vehicle;
     let mut detector = Detector::new(&design.configuration()).unwrap();
-    assert_eq!(detector.initialisation, Initialisation::FirstMeasurement);
+    assert_eq!(detector.initialisation(), Initialisation::FirstMeasurement);
     let mut x = [v_x, v_y, 0.0];
     let mut share = 0.0;
     for k in 0..800 {
         let t = f64::from(k) * 0.01;
         let delta = 0.02 * (0.5 * t).sin() * (5.0 / v_x).sqrt();
-        let output = detector.sample([x[0], x[2]], [vehicle.cruise_torque(v_x), delta]);
+        let t_eng_n_m = vehicle.cruise_torque(v_x);
+        let y = Measurement { v_x_m_per_s: x[0], r_rad_per_s: x[2] };
+        let output = detector.sample(y, Input { t_eng_n_m, delta_rad: delta });
         assert_eq!(output.monitor, Monitor::Monitoring);
         if k == 499 {
             share = output.j_rms / output.j_th;
@@ -173,8 +176,8 @@ fn scenario(design: &Design, v_x: f64, v_y: f64, fault_deg: f64) -> (Option<u64>
         for _ in 0..10 {
             x = rk4(
                 |x| {
-                    let [a, b, c] =
-                        vehicle.derivative(x, [vehicle.cruise_torque(v_x), delta + fault]);
+                    let u = Input { t_eng_n_m, delta_rad: delta + fault };
+                    let [a, b, c] = vehicle.derivative(x.into(), u);
                     [a, b + wave, c + wave * vehicle.mass_kg * 0.25 / vehicle.yaw_inertia_kg_m2]
                 },
                 x,
@@ -182,7 +185,7 @@ fn scenario(design: &Design, v_x: f64, v_y: f64, fault_deg: f64) -> (Option<u64>
             );
         }
     }
-    (detector.state.output.first_alarm, share)
+    (detector.output().first_alarm, share)
 }
 
 #[test]
@@ -246,12 +249,16 @@ fn the_threshold_by_cause_is_that_of_steady_driving() {
     assert_eq!(points.len(), 6);
     for point in points {
         let (v_x, a_y) = (point.v_x_m_per_s, point.lateral_acceleration_m_per_s2);
-        let u = [design.vehicle.cruise_torque(v_x), steady_angle(&design.vehicle, v_x, a_y)];
+        let y = Measurement { v_x_m_per_s: v_x, r_rad_per_s: a_y / v_x };
+        let u = Input {
+            t_eng_n_m: design.vehicle.cruise_torque(v_x),
+            delta_rad: steady_angle(&design.vehicle, v_x, a_y),
+        };
         let mut detector = Detector::new(&design.configuration()).unwrap();
         for _ in 0..3000 {
-            detector.sample([v_x, a_y / v_x], u);
+            detector.sample(y, u);
         }
-        let output = detector.state.output;
+        let output = detector.output();
         near(output.j_th, point.j_th, 1e-3);
         near(output.detectability * output.j_th, point.smallest_fault_j, 1e-6);
         near(point.level + point.uncertainties.iter().sum::<f64>(), point.j_th, 1e-12);
@@ -289,7 +296,7 @@ fn an_actuator_changes_the_threshold_little_and_nothing_else() {
 
 #[test]
 fn same_specification_gives_the_same_bytes() {
-    let again = designed(&spec()).unwrap();
+    let again = design(&spec(), &mut |_| {}).unwrap();
     assert_eq!(again.to_json().unwrap(), papers_design().to_json().unwrap());
 }
 

@@ -5,8 +5,8 @@
 #[path = "common/adversary.rs"]
 mod adversary;
 mod common;
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 
 use std::sync::OnceLock;
 
@@ -18,12 +18,12 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::calibration::{Population, calibrate, drives};
 use steerguard_designer::threshold::guaranteed::peak_bounds;
-use steerguard_designer::{Design, DesignStatus, Spec, design};
+use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_verify::verify;
 
 use adversary::{Inputs, drive, largest_j};
 use common::papers_but;
-use few_drives::designed_with_few_drives;
+use designed::{designed, designed_with_few_drives};
 
 const GUARANTEED: &str = "evaluation.threshold = \"guaranteed\"\n";
 /// Three standard deviations of the default's sensors.
@@ -92,7 +92,7 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     let mut spec = papers_but(GUARANTEED);
     spec.evaluation.calibration.speeds = 3;
     spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
-    let papers = design(&spec, &mut |_| {}).unwrap();
+    let papers = designed(&spec).unwrap();
     let bounded = papers.evaluation.guaranteed.as_ref().unwrap();
     let specified = Population::Specified;
     let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});

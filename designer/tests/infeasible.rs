@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[path = "common/few_drives.rs"]
-mod few_drives;
+#[path = "common/designed.rs"]
+mod designed;
 
 use steerguard_designer::{Design, DesignError, Obstacle, Spec};
 
-use few_drives::designed_with_few_drives;
+use designed::designed_with_few_drives;
 
 fn designed(text: &str) -> Result<Design, DesignError> {
     designed_with_few_drives(Spec::from_toml(text).unwrap())

@@ -55,6 +55,14 @@ impl ActuatorState {
     pub const START: Self =
         Self { commands: [0.0; MAX_DELAY_SAMPLES + 1], oldest: 0, command: None, angle: 0.0 };
 
+    /// Whether samples of an actuator whose dead time has `delay` whole periods can have led here.
+    pub(crate) fn is_possible(&self, delay: usize) -> bool {
+        self.oldest <= delay
+            && self.commands.iter().take(delay + 1).all(|x| x.is_finite())
+            && self.command.is_none_or(f64::is_finite)
+            && self.angle.is_finite()
+    }
+
     /// Takes the `command` of a sample of length `period_s` and returns the average of the angle over
     /// that sample; both in rad.
     pub fn sample(&mut self, actuator: &Actuator, period_s: f64, command: f64) -> f64 {

@@ -2,7 +2,8 @@
 
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
-    Measurement, Observer, OperatingRange, Place, Responses, Rms, StartUp, VehicleState,
+    Measurement, Observer, OperatingRange, Place, Responses, Rms, StartUp, StateVector,
+    VehicleState,
 };
 
 /// Inputs and measurements of this magnitude and more count as invalid, in SI units, and an estimate
@@ -35,15 +36,15 @@ pub enum Initialisation {
     /// `z_0 = M [v_x, 0, r]`: covered by the threshold's start-up term.
     #[default]
     FirstMeasurement,
-    /// A given z_0, such as the paper's zero: its transient is not covered by the threshold.
-    Given(VehicleState),
+    /// A given z_0, such as the paper's zero, finite: its transient is not covered by the threshold.
+    Given(StateVector),
 }
 
 /// Results of the last sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output {
-    /// Residual `r = y - C x^` (10) in m/s and rad/s, less the response to Euler's remainder where
-    /// that is corrected; zero where no observer runs.
+    /// Residual `r = y - C x^` (10), less the response to Euler's remainder where that is corrected; zero
+    /// where no observer runs.
     pub residual: Measurement,
     /// Estimated lateral speed, m/s.
     pub v_y_hat: f64,
@@ -68,7 +69,7 @@ pub struct State {
     /// Index of the sample to come.
     pub sample: u64,
     /// Observer state z before the sample to come; meaningful while `tracking`.
-    pub z: VehicleState,
+    pub z: StateVector,
     /// Whether z has followed every sample since the observer's last start.
     pub tracking: bool,
     /// Whether alarms are given.
@@ -89,6 +90,18 @@ pub struct State {
     pub output: Output,
 }
 
+/// Why a state is refused: no detector of the configuration can have had it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateError;
+
+impl core::fmt::Display for StateError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("no detector of this configuration can have had this state")
+    }
+}
+
+impl core::error::Error for StateError {}
+
 /// A steering-fault detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detector {
@@ -98,14 +111,10 @@ pub struct Detector {
     actuator: Actuator,
     slowest_actuator: Actuator,
     deviations: Deviations,
-    /// Factor on J_th, positive; 1 is the design's threshold.
-    pub threshold_factor: f64,
-    /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
-    pub debounce_samples: u32,
-    /// How the observer starts at the first sample.
-    pub initialisation: Initialisation,
-    /// What the samples so far have left.
-    pub state: State,
+    threshold_factor: f64,
+    debounce_samples: u32,
+    initialisation: Initialisation,
+    state: State,
 }
 
 impl Detector {
@@ -143,13 +152,120 @@ impl Detector {
         })
     }
 
+    /// Factor on J_th; 1 is the design's threshold.
+    pub const fn threshold_factor(&self) -> f64 {
+        self.threshold_factor
+    }
+
+    /// Sets the factor on J_th, positive: that of the samples to come, and before the first of the
+    /// output too.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] where it is not finite or not positive.
+    pub fn set_threshold_factor(&mut self, factor: f64) -> Result<(), ConfigurationError> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(ConfigurationError { field: "threshold factor" });
+        }
+        self.threshold_factor = factor;
+        if self.state.output.monitor == Monitor::Starting {
+            self.state.output.j_th = factor * self.evaluation.threshold;
+        }
+        Ok(())
+    }
+
+    /// Consecutive samples with `J >= J_th` that raise the alarm.
+    pub const fn debounce_samples(&self) -> u32 {
+        self.debounce_samples
+    }
+
+    /// Sets the number of consecutive samples with `J >= J_th` that raise the alarm, at least 1.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] for none.
+    pub const fn set_debounce_samples(&mut self, samples: u32) -> Result<(), ConfigurationError> {
+        if samples == 0 {
+            return Err(ConfigurationError { field: "debounce" });
+        }
+        self.debounce_samples = samples;
+        Ok(())
+    }
+
+    /// How the observer starts at the first sample.
+    pub const fn initialisation(&self) -> Initialisation {
+        self.initialisation
+    }
+
+    /// Sets how the observer starts at the first sample.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] for a z_0 that is not finite.
+    pub fn set_initialisation(
+        &mut self,
+        initialisation: Initialisation,
+    ) -> Result<(), ConfigurationError> {
+        if matches!(initialisation, Initialisation::Given(z_0) if !z_0.iter().all(|z| z.is_finite()))
+        {
+            return Err(ConfigurationError { field: "z_0" });
+        }
+        self.initialisation = initialisation;
+        Ok(())
+    }
+
+    /// What the samples so far have left.
+    pub const fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from `state`, which a detector of the same configuration had.
+    ///
+    /// # Errors
+    /// [`StateError`] where none can have had it; the detector is then as before.
+    pub fn set_state(&mut self, state: &State) -> Result<(), StateError> {
+        let period_s = self.observer.model.sampling_period_s;
+        let window = self.evaluation.window;
+        let actuators =
+            [(&state.actuator, &self.actuator), (&state.slowest_actuator, &self.slowest_actuator)];
+        let responses = &state.responses;
+        let windows = [&state.rms, &responses.uncertainty_rms, &responses.fault_rms];
+        let output = &state.output;
+        let Measurement { v_x_m_per_s, r_rad_per_s } = output.residual;
+        let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
+        let possible = finite(&state.z)
+            && windows.iter().all(|rms| rms.is_possible(window))
+            && state.start_up.samples <= window
+            && finite(&[state.start_up.power, state.start_up.sum])
+            && finite(&responses.remainder)
+            && finite(responses.uncertainties.as_flattened())
+            && finite(&responses.fault)
+            && actuators.iter().all(|(state, of)| state.is_possible(of.delay_samples(period_s)))
+            && finite(&[
+                v_x_m_per_s,
+                r_rad_per_s,
+                output.v_y_hat,
+                output.j_rms,
+                output.detectability,
+            ])
+            && finite(&[output.j_th])
+            && output.j_th > 0.0;
+        if !possible {
+            return Err(StateError);
+        }
+        self.state = *state;
+        Ok(())
+    }
+
+    /// Results of the last sample.
+    pub const fn output(&self) -> &Output {
+        &self.state.output
+    }
+
     /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
-        let [delta, slowest] = self.steer(u[1]);
-        if plausible(&y) && plausible(&u) {
+        let [delta_rad, slowest_rad] = self.steer(u.delta_rad);
+        if plausible(&y.vector()) && plausible(&u.vector()) {
             self.track(y);
             if self.state.tracking {
-                self.observe(y, [u[0], delta], slowest - delta);
+                self.observe(y, Input { delta_rad, ..u }, slowest_rad - delta_rad);
             }
             self.decide();
         } else {
@@ -182,7 +298,9 @@ impl Detector {
 
     /// Stops the observer outside S_x and starts it, armed, inside the armed range.
     fn track(&mut self, y: Measurement) {
-        let inside = |range: &OperatingRange| range.v_x.contains(y[0]) && range.r.contains(y[1]);
+        let inside = |range: &OperatingRange| {
+            range.v_x.contains(y.v_x_m_per_s) && range.r.contains(y.r_rad_per_s)
+        };
         if !inside(&self.observer.model.range) {
             self.state.tracking = false;
             self.state.armed = false;
@@ -213,7 +331,7 @@ impl Detector {
     fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
-        if !plausible(&x_hat) {
+        if !plausible(&x_hat.vector()) {
             // phi grows with the square of the estimate: nothing leads back from here.
             state.tracking = false;
             state.armed = false;
@@ -221,20 +339,25 @@ impl Detector {
         }
         let h = self.observer.model.membership(y);
         let n = self.observer.n(&h);
-        state.z = self.observer.advance(&h, &n, state.z, y, u, x_hat[1]);
+        state.z = self.observer.advance(&h, &n, state.z, y, u, x_hat.v_y_m_per_s);
 
         let evaluation = &self.evaluation;
         // (10), less what Euler's remainder makes of it: METHOD.md 6.
         let [v_x, _, r] = state.responses.remainder;
-        let residual = [y[0] - x_hat[0] - v_x, y[1] - x_hat[2] - r];
+        let residual = Measurement {
+            v_x_m_per_s: y.v_x_m_per_s - x_hat.v_x_m_per_s - v_x,
+            r_rad_per_s: y.r_rad_per_s - x_hat.r_rad_per_s - r,
+        };
         let [uncertainty, fault] = state.responses.levels(evaluation);
-        let x = [y[0], x_hat[1], y[1]];
+        let Measurement { v_x_m_per_s, r_rad_per_s } = y;
+        let v_y_m_per_s = x_hat.v_y_m_per_s;
+        let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
         let place = Place { x, u, slowest_behind_rad };
         state.responses.advance(&self.deviations, &self.observer, &n, &place);
 
         let output = &mut state.output;
         output.residual = residual;
-        output.v_y_hat = x_hat[1];
+        output.v_y_hat = v_y_m_per_s;
         output.j_rms = state.rms.push(evaluation.square(residual), evaluation.window);
         output.j_th = self.threshold_factor
             * (evaluation.threshold
@@ -242,7 +365,7 @@ impl Detector {
                 + evaluation.uncertainty_share * uncertainty);
         output.detectability = fault / output.j_th;
         // The bound on rho (15) holds only while the estimate stays in S_x too.
-        state.armed &= self.observer.model.range.v_y.contains(x_hat[1]);
+        state.armed &= self.observer.model.range.v_y.contains(v_y_m_per_s);
     }
 
     /// Alarm and condition of this sample.

@@ -10,7 +10,9 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{Actuator, Evaluation, Input, Observer, Rms, TsModel, Vehicle, VehicleState};
+use crate::{
+    Actuator, Evaluation, Input, Observer, Rms, StateVector, TsModel, Vehicle, VehicleState,
+};
 
 /// Number of uncertainties.
 pub const UNCERTAINTIES: usize = 7;
@@ -90,17 +92,17 @@ impl Uncertainty {
         }
     }
 
-    /// What each uncertainty at its bound adds to `x'` (1) of `vehicle`, in the order of
-    /// the fields.
-    pub fn slopes(&self, vehicle: &Vehicle, place: &Place) -> [VehicleState; UNCERTAINTIES] {
-        let Place { x, u: [t_eng, delta], slowest_behind_rad } = *place;
-        let [v_x, v_y, _] = x;
+    /// What each uncertainty at its bound adds to `x'` (1) of `vehicle`, in m/s^2, m/s^2, rad/s^2 and in
+    /// the order of the fields.
+    pub fn slopes(&self, vehicle: &Vehicle, place: &Place) -> [StateVector; UNCERTAINTIES] {
+        let Place { x, u, slowest_behind_rad } = *place;
+        let [v_x, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-        let [front, rear] = vehicle.axle_forces(x, delta);
+        let [front, rear] = vehicle.axle_forces(x, u.delta_rad);
         let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
-        let longitudinal =
-            (t_eng - vehicle.cruise_torque(v_x)) / vehicle.effective_longitudinal_inertia_kg_m;
+        let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
+            / vehicle.effective_longitudinal_inertia_kg_m;
         let gust = self.gust.side_force(v_x);
         let behind = 2.0 * vehicle.front_cornering_stiffness_n_per_rad * slowest_behind_rad;
         let (c_f, c_r) = (self.front_cornering_stiffness, self.rear_cornering_stiffness);
@@ -124,8 +126,9 @@ pub struct Deviations {
     pub euler_correction: bool,
     /// What raises the threshold.
     pub uncertainty: Uncertainty,
-    /// Deviation that the smallest fault of interest makes: its column of F, times its size.
-    pub smallest_fault: VehicleState,
+    /// Deviation w that the smallest fault of interest makes, in m/s, m/s, rad/s: its column of F, times
+    /// its size.
+    pub smallest_fault: StateVector,
 }
 
 impl Deviations {
@@ -134,15 +137,15 @@ impl Deviations {
         Self { euler_correction: false, uncertainty: Uncertainty::NONE, smallest_fault: [0.0; 3] };
 }
 
-/// Responses since the observer's start.
+/// Responses since the observer's start, e in m/s, m/s, rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Responses {
     /// To Euler's remainder.
-    pub remainder: VehicleState,
+    pub remainder: StateVector,
     /// To each uncertainty at its bound.
-    pub uncertainties: [VehicleState; UNCERTAINTIES],
+    pub uncertainties: [StateVector; UNCERTAINTIES],
     /// To the smallest fault of interest.
-    pub fault: VehicleState,
+    pub fault: StateVector,
     /// Window of the sum of `||W_r C e||` over the uncertainties.
     pub uncertainty_rms: Rms,
     /// Window of `||W_r C e||` of the fault.
@@ -164,11 +167,9 @@ impl Responses {
     ///
     /// `||W_r C e|| <= sum_j ||W_r C e_j||` whatever the uncertainties' signs, and J is a norm.
     pub fn levels(&mut self, evaluation: &Evaluation) -> [f64; 2] {
-        let bound = self
-            .uncertainties
-            .iter()
-            .fold(0.0, |bound, e| bound + libm::sqrt(evaluation.square([e[0], e[2]])));
-        let fault = evaluation.square([self.fault[0], self.fault[2]]);
+        let seen = |e: &StateVector| evaluation.square(VehicleState::from(*e).measured());
+        let bound = self.uncertainties.iter().fold(0.0, |bound, e| bound + libm::sqrt(seen(e)));
+        let fault = seen(&self.fault);
         [
             self.uncertainty_rms.push(bound * bound, evaluation.window),
             self.fault_rms.push(fault, evaluation.window),
@@ -185,7 +186,7 @@ impl Responses {
     ) {
         let Place { x, u, .. } = *place;
         let TsModel { vehicle, sampling_period_s, .. } = observer.model;
-        let scaled = |by: f64, w: VehicleState| w.map(|w| by * w);
+        let scaled = |by: f64, w: StateVector| w.map(|w| by * w);
         if deviations.euler_correction {
             // x(t + T_s) = x + T_s x' + T_s^2/2 x'' + ...: Euler's step has all but the last.
             let half_square = 0.5 * sampling_period_s * sampling_period_s;

@@ -16,7 +16,7 @@ pub struct Evaluation {
     pub window: usize,
     /// Diagonal of W_r, for the residuals of v_x (per m/s) and r (per rad/s); not negative.
     pub weights: [f64; 2],
-    /// Threshold on J once the start-up has passed, where nothing is uncertain; positive.
+    /// Threshold on J, in the unit that the weights give it, once the start-up has passed, where nothing is uncertain; positive.
     pub threshold: f64,
     /// Share of the uncertainties' bound that is added to the threshold, not negative.
     pub uncertainty_share: f64,
@@ -29,10 +29,10 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// `||W_r r||^2` of a residual `[v_x, r]` in m/s and rad/s.
+    /// `||W_r r||^2` of a residual.
     pub fn square(&self, residual: Measurement) -> f64 {
         let [w_v_x, w_r] = self.weights;
-        let weighted = [w_v_x * residual[0], w_r * residual[1]];
+        let weighted = [w_v_x * residual.v_x_m_per_s, w_r * residual.r_rad_per_s];
         weighted[0] * weighted[0] + weighted[1] * weighted[1]
     }
 }
@@ -52,6 +52,11 @@ pub struct Rms {
 impl Rms {
     /// An empty window.
     pub const EMPTY: Self = Self { squares: [0.0; MAX_WINDOW], oldest: 0 };
+
+    /// Whether pushing to a window of `window` samples can have led here.
+    pub(crate) fn is_possible(&self, window: usize) -> bool {
+        self.oldest < window && self.squares.iter().take(window).all(|x| x.is_finite())
+    }
 
     /// Takes a sample's `square` and returns the RMS over the last `window` samples.
     pub fn push(&mut self, square: f64, window: usize) -> f64 {

@@ -6,9 +6,9 @@
 //!
 //! # Conventions
 //! - Axes ISO 8855: x forward, y left, yaw rate counter-clockwise. SI units throughout.
-//! - State `x = [v_x, v_y, r]` in m/s, m/s, rad/s; measurement `y = C x = [v_x, r]`;
-//!   input `u = [T_eng, delta]` in N m at the wheels and rad at the road wheel. Of a command, delta is
-//!   what the [`Actuator`] makes of it.
+//! - State `x = [v_x, v_y, r]` ([`VehicleState`]), measurement `y = C x = [v_x, r]` ([`Measurement`]),
+//!   input `u = [T_eng, delta]` ([`Input`]). Of a command, delta is what the [`Actuator`] makes of it.
+//! - J and what it is held against have the unit of `W_r r`, which the weights W_r give it.
 //! - Sample k holds `y_k` and the input `u_k` that acts from sample k to k + 1. The residual `r_k`
 //!   uses `y_k` and nothing later.
 //! - Matrices are arrays of rows.
@@ -27,15 +27,19 @@ mod deviation;
 mod evaluation;
 mod observer;
 mod range;
+mod signals;
 mod ts_model;
 mod vehicle;
 
 pub use actuator::{Actuator, ActuatorState, MAX_DELAY_SAMPLES};
 pub use configuration::{Configuration, ConfigurationError};
-pub use detector::{Detector, Initialisation, LARGEST_MAGNITUDE, Monitor, Output, State};
+pub use detector::{
+    Detector, Initialisation, LARGEST_MAGNITUDE, Monitor, Output, State, StateError,
+};
 pub use deviation::{Deviations, Gust, Place, Responses, UNCERTAINTIES, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};
+pub use signals::{Input, Measurement, StateVector, VehicleState};
 pub use ts_model::{C, RULES, TsModel};
-pub use vehicle::{Input, Measurement, Vehicle, VehicleState, rk4};
+pub use vehicle::{Vehicle, rk4};

@@ -5,19 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::{blend, product, sum};
 use crate::ts_model::{Columns, RULES, TsModel};
-use crate::{Input, Measurement, VehicleState};
+use crate::{Input, Measurement, StateVector, VehicleState};
 
-/// Gains of the observer (10).
+/// Gains of the observer (10). Rows are in the units of z, m/s, m/s, rad/s; columns per unit of what they
+/// take: z, or y in m/s, rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Gains {
-    /// N_i, 3 x 3 each.
+    /// N_i, 3 x 3 each, from z.
     pub n: [[[f64; 3]; 3]; RULES],
-    /// L_i, 3 x 2 each.
+    /// L_i, 3 x 2 each, from y.
     pub l: [[[f64; 2]; 3]; RULES],
-    /// M = I + E C, 3 x 3.
+    /// M = I + E C, 3 x 3, from what is added to the state.
     pub m: [[f64; 3]; 3],
-    /// E, 3 x 2.
+    /// E, 3 x 2, from y.
     pub e: [[f64; 2]; 3],
 }
 
@@ -39,14 +40,18 @@ impl Observer {
 
     /// `z = M [v_x, 0, r]`: the estimate starts at the measurement with no lateral speed, so the
     /// error starts at `[0, v_y, 0]` and the residual at zero.
-    pub fn start(&self, [v_x, r]: Measurement) -> VehicleState {
-        product(&self.gains.m, &[v_x, 0.0, r])
+    pub fn start(&self, y: Measurement) -> StateVector {
+        product(&self.gains.m, &[y.v_x_m_per_s, 0.0, y.r_rad_per_s])
     }
 
     /// `x^ = z - E y` (10).
-    pub fn estimate(&self, z: VehicleState, y: Measurement) -> VehicleState {
-        let e_y = product(&self.gains.e, &y);
-        [z[0] - e_y[0], z[1] - e_y[1], z[2] - e_y[2]]
+    pub fn estimate(&self, z: StateVector, y: Measurement) -> VehicleState {
+        let e_y = product(&self.gains.e, &y.vector());
+        VehicleState {
+            v_x_m_per_s: z[0] - e_y[0],
+            v_y_m_per_s: z[1] - e_y[1],
+            r_rad_per_s: z[2] - e_y[2],
+        }
     }
 
     /// `N(h)` (10) for membership functions h, 3 x 3.
@@ -60,19 +65,19 @@ impl Observer {
         &self,
         h: &[f64; RULES],
         n: &[[f64; 3]; 3],
-        z: VehicleState,
+        z: StateVector,
         y: Measurement,
         u: Input,
-        v_y_hat: f64,
-    ) -> VehicleState {
-        let linear = sum(product(n, &z), product(&blend(h, &self.gains.l), &y));
-        let consequent = self.model.consequent(&self.columns, y, u, v_y_hat);
+        v_y_hat_m_per_s: f64,
+    ) -> StateVector {
+        let linear = sum(product(n, &z), product(&blend(h, &self.gains.l), &y.vector()));
+        let consequent = self.model.consequent(&self.columns, y, u, v_y_hat_m_per_s);
         sum(linear, product(&self.gains.m, &consequent))
     }
 
     /// `e+ = N(h) e + M w`: how the error goes on from `e` where the vehicle departs by `w` from the
     /// model (7), to first order in e.
-    pub fn respond(&self, n: &[[f64; 3]; 3], e: VehicleState, w: VehicleState) -> VehicleState {
+    pub fn respond(&self, n: &[[f64; 3]; 3], e: StateVector, w: StateVector) -> StateVector {
         sum(product(n, &e), product(&self.gains.m, &w))
     }
 }

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::{blend, product, sum};
-use crate::{Input, Interval, Measurement, OperatingRange, Vehicle, VehicleState};
+use crate::{Input, Interval, Measurement, OperatingRange, StateVector, Vehicle, VehicleState};
 
 /// Number of rules: the vertices of the two premise variables.
 pub const RULES: usize = 4;
@@ -22,7 +22,7 @@ pub const C: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Columns {
     b: [[f64; 2]; 3],
-    g_phi: VehicleState,
+    g_phi: StateVector,
 }
 
 /// The discrete-time N-TS model of a vehicle on an operating range.
@@ -80,7 +80,8 @@ impl TsModel {
     }
 
     /// `g(xi) = T_s g_v(xi)`, (5) corrected: what depends on the measured v_x and r alone.
-    pub fn g(&self, [v_x, r]: Measurement) -> VehicleState {
+    pub fn g(&self, y: Measurement) -> StateVector {
+        let [v_x, r] = y.vector();
         let v = &self.vehicle;
         let t = self.sampling_period_s;
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
@@ -96,14 +97,15 @@ impl TsModel {
     }
 
     /// `G = T_s G_v`, (5) corrected: the column of `phi(x) = v_y^2`.
-    pub fn g_phi(&self) -> VehicleState {
+    pub fn g_phi(&self) -> StateVector {
         let v = &self.vehicle;
         [0.0, -self.sampling_period_s * v.lateral_drag_n_s2_per_m2 / v.mass_kg, 0.0]
     }
 
     /// Membership functions `h_i` (8) at a measurement inside S_x: bilinear in `(1/v_x, r)`,
     /// in `[0, 1]`, summing to 1.
-    pub fn membership(&self, [v_x, r]: Measurement) -> [f64; RULES] {
+    pub fn membership(&self, y: Measurement) -> [f64; RULES] {
+        let [v_x, r] = y.vector();
         let range = &self.range;
         let (slow, fast) = (1.0 / range.v_x.min, 1.0 / range.v_x.max);
         let at_v_x_min = (1.0 / v_x - fast) / (slow - fast);
@@ -116,9 +118,10 @@ impl TsModel {
     /// One step (7) of the fault- and disturbance-free model; equals the Euler step of (3)
     /// for `x` inside S_x.
     pub fn step(&self, x: VehicleState, u: Input) -> VehicleState {
-        let y = [x[0], x[2]];
+        let y = x.measured();
         let a = blend(&self.membership(y), &self.vertices());
-        sum(product(&a, &x), self.consequent(&self.columns(), y, u, x[1]))
+        let consequent = self.consequent(&self.columns(), y, u, x.v_y_m_per_s);
+        sum(product(&a, &x.vector()), consequent).into()
     }
 
     /// The columns of (7) that no sample changes.
@@ -132,10 +135,11 @@ impl TsModel {
         columns: &Columns,
         y: Measurement,
         u: Input,
-        v_y: f64,
-    ) -> VehicleState {
-        let g_phi = columns.g_phi.map(|g| g * (v_y * v_y));
-        sum(sum(self.g(y), product(&columns.b, &u)), g_phi)
+        v_y_m_per_s: f64,
+    ) -> StateVector {
+        let phi = v_y_m_per_s * v_y_m_per_s;
+        let g_phi = columns.g_phi.map(|g| g * phi);
+        sum(sum(self.g(y), product(&columns.b, &u.vector())), g_phi)
     }
 
     /// `C_r l_r - C_f l_f`, N m/rad.

@@ -4,13 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::sum;
-
-/// State `x = [v_x, v_y, r]` in m/s, m/s, rad/s.
-pub type VehicleState = [f64; 3];
-/// Measurement `y = [v_x, r]` in m/s, rad/s.
-pub type Measurement = [f64; 2];
-/// Input `u = [T_eng, delta]` in N m at the wheels, rad at the road wheel.
-pub type Input = [f64; 2];
+use crate::{Input, StateVector, VehicleState};
 
 /// Vehicle data, Table 1 of the paper. All values positive and finite; drags may be zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,32 +45,34 @@ impl Vehicle {
         lateral_drag_n_s2_per_m2: 0.45,
     };
 
-    /// Slip angles `[front, rear]` in rad at state `x`, `v_x > 0`, and road-wheel angle `delta`.
-    pub fn slip_angles(&self, [v_x, v_y, r]: VehicleState, delta: f64) -> [f64; 2] {
+    /// Slip angles `[front, rear]` in rad at state `x`, `v_x > 0`, and a road-wheel angle.
+    pub fn slip_angles(&self, x: VehicleState, delta_rad: f64) -> [f64; 2] {
+        let [v_x, v_y, r] = x.vector();
         [
-            delta - (v_y + self.front_axle_distance_m * r) / v_x,
+            delta_rad - (v_y + self.front_axle_distance_m * r) / v_x,
             (self.rear_axle_distance_m * r - v_y) / v_x,
         ]
     }
 
     /// Axle forces `[F_yf, F_yr]` in N (2): two linear tyres an axle.
-    pub fn axle_forces(&self, x: VehicleState, delta: f64) -> [f64; 2] {
-        let [front, rear] = self.slip_angles(x, delta);
+    pub fn axle_forces(&self, x: VehicleState, delta_rad: f64) -> [f64; 2] {
+        let [front, rear] = self.slip_angles(x, delta_rad);
         [
             2.0 * self.front_cornering_stiffness_n_per_rad * front,
             2.0 * self.rear_cornering_stiffness_n_per_rad * rear,
         ]
     }
 
-    /// `dx/dt` (1) under given axle forces in N and drive torque `t_eng` in N m at the wheels.
+    /// `dx/dt` (1) in m/s^2, m/s^2, rad/s^2 under given axle forces in N and drive torque at the wheels.
     pub fn derivative_under(
         &self,
-        [v_x, v_y, r]: VehicleState,
-        t_eng: f64,
+        x: VehicleState,
+        t_eng_n_m: f64,
         [front, rear]: [f64; 2],
-    ) -> VehicleState {
+    ) -> StateVector {
+        let [v_x, v_y, r] = x.vector();
         [
-            (t_eng - self.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x)
+            (t_eng_n_m - self.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x)
                 / self.effective_longitudinal_inertia_kg_m
                 + v_y * r,
             (front + rear - self.lateral_drag_n_s2_per_m2 * v_y * v_y) / self.mass_kg - v_x * r,
@@ -85,14 +81,14 @@ impl Vehicle {
         ]
     }
 
-    /// `dx/dt` of (3) with linear tyres, for `v_x > 0`.
-    pub fn derivative(&self, x: VehicleState, [t_eng, delta]: Input) -> VehicleState {
-        self.derivative_under(x, t_eng, self.axle_forces(x, delta))
+    /// `dx/dt` of (3) in m/s^2, m/s^2, rad/s^2 with linear tyres, for `v_x > 0`.
+    pub fn derivative(&self, x: VehicleState, u: Input) -> StateVector {
+        self.derivative_under(x, u.t_eng_n_m, self.axle_forces(x, u.delta_rad))
     }
 
-    /// `d^2x/dt^2` of (3) with linear tyres under a held input, for `v_x > 0`.
-    pub fn second_derivative(&self, x: VehicleState, u: Input) -> VehicleState {
-        let [v_x, v_y, r] = x;
+    /// `d^2x/dt^2` of (3) in m/s^3, m/s^3, rad/s^3 with linear tyres under a held input, for `v_x > 0`.
+    pub fn second_derivative(&self, x: VehicleState, u: Input) -> StateVector {
+        let [v_x, v_y, r] = x.vector();
         let [v_x_dot, v_y_dot, r_dot] = self.derivative(x, u);
         let (m, i_z) = (self.mass_kg, self.yaw_inertia_kg_m2);
         let (l_f, l_r) = (self.front_axle_distance_m, self.rear_axle_distance_m);
@@ -114,9 +110,9 @@ impl Vehicle {
         ]
     }
 
-    /// Drive torque in N m at the wheels that holds `v_x` on a straight road.
-    pub fn cruise_torque(&self, v_x: f64) -> f64 {
-        self.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x
+    /// Drive torque in N m at the wheels that holds a speed on a straight road.
+    pub fn cruise_torque(&self, v_x_m_per_s: f64) -> f64 {
+        self.longitudinal_drag_n_m_s2_per_m2 * v_x_m_per_s * v_x_m_per_s
     }
 }
 

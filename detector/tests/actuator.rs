@@ -4,10 +4,10 @@
 
 mod common;
 
-use common::configuration;
+use common::{configuration, u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
-    Actuator, ActuatorState, Detector, MAX_DELAY_SAMPLES, Measurement, Monitor, rk4,
+    Actuator, ActuatorState, Detector, Input, MAX_DELAY_SAMPLES, Measurement, Monitor, rk4,
 };
 
 const PERIOD_S: f64 = 0.01;
@@ -121,10 +121,10 @@ fn the_longest_dead_time_is_held_to_its_last_part() {
 }
 
 /// A drive in a turn that leaves the range and returns, and loses a signal now and then.
-fn drive(k: u32) -> (Measurement, [f64; 2]) {
+fn drive(k: u32) -> (Measurement, Input) {
     let t = f64::from(k);
     let v_x = if (200..300).contains(&k) { 4.0 } else { 15.0 };
-    ([v_x, 0.1 * (0.05 * t).sin()], [78.75, 0.05 * (0.05 * t).cos()])
+    (y(v_x, 0.1 * (0.05 * t).sin()), u(78.75, 0.05 * (0.05 * t).cos()))
 }
 
 #[test]
@@ -135,12 +135,12 @@ fn the_observer_is_given_the_angle_at_the_wheel() {
     let mut commanded =
         Detector::new(&steerguard_detector::Configuration { actuator: SLOW, ..commanded }).unwrap();
     for k in 0..600 {
-        let (y, [t_eng, command]) = drive(k);
+        let (y, Input { t_eng_n_m, delta_rad: command }) = drive(k);
         let delta = actuator.sample(&SLOW, PERIOD_S, command);
-        let expected = *measured.sample(y, [t_eng, delta]);
-        assert_eq!(*commanded.sample(y, [t_eng, command]), expected, "sample {k}");
+        let expected = *measured.sample(y, u(t_eng_n_m, delta));
+        assert_eq!(*commanded.sample(y, u(t_eng_n_m, command)), expected, "sample {k}");
     }
-    assert_eq!(commanded.state.output.monitor, Monitor::Monitoring);
+    assert_eq!(commanded.output().monitor, Monitor::Monitoring);
 }
 
 #[test]
@@ -149,16 +149,16 @@ fn an_invalid_command_leaves_the_last_one_standing() {
     for bad in [f64::NAN, f64::INFINITY, -1e9] {
         let [mut lost, mut held] = [0; 2].map(|_| Detector::new(&configuration).unwrap());
         // Before the first command there is none to hold: the actuator settles at the first.
-        lost.sample([15.0, 0.0], [78.75, bad]);
+        lost.sample(y(15.0, 0.0), u(78.75, bad));
         let mut last = 0.0;
         for k in 0..600 {
-            let (y, [t_eng, command]) = drive(k);
+            let (y, Input { t_eng_n_m, delta_rad: command }) = drive(k);
             let gap = k % 50 > 45;
             last = if gap { last } else { command };
-            let monitor = lost.sample(y, [t_eng, if gap { bad } else { command }]).monitor;
+            let monitor = lost.sample(y, u(t_eng_n_m, if gap { bad } else { command })).monitor;
             assert_eq!(monitor == Monitor::InvalidInput, gap);
-            held.sample(y, [t_eng, last]);
-            assert_eq!(lost.state.actuator, held.state.actuator, "sample {k}");
+            held.sample(y, u(t_eng_n_m, last));
+            assert_eq!(lost.state().actuator, held.state().actuator, "sample {k}");
         }
     }
 }
@@ -169,8 +169,8 @@ fn a_lost_measurement_loses_no_command() {
     let [mut lost, mut seen] = [0; 2].map(|_| Detector::new(&configuration).unwrap());
     for k in 0..600 {
         let (y, u) = drive(k);
-        lost.sample(if k % 50 > 45 { [f64::NAN, y[1]] } else { y }, u);
+        lost.sample(if k % 50 > 45 { Measurement { v_x_m_per_s: f64::NAN, ..y } } else { y }, u);
         seen.sample(y, u);
-        assert_eq!(lost.state.actuator, seen.state.actuator, "sample {k}");
+        assert_eq!(lost.state().actuator, seen.state().actuator, "sample {k}");
     }
 }

@@ -4,10 +4,11 @@
 
 mod common;
 
+use common::{u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
     Actuator, ActuatorState, Configuration, Detector, Deviations, Evaluation, Gust, Input, Monitor,
-    Output, TsModel, Uncertainty, Vehicle, VehicleState, rk4,
+    Output, StateVector, TsModel, Uncertainty, Vehicle, rk4,
 };
 
 const NOMINAL: Vehicle = Vehicle::PAPER;
@@ -31,7 +32,7 @@ fn configuration(deviations: Deviations) -> Configuration {
 /// A weave of 0.3 Hz at about `v_x`.
 fn weave(v_x: f64, k: u32, amplitude: f64) -> Input {
     let t = f64::from(k) * T_S;
-    [NOMINAL.cruise_torque(v_x), amplitude * (std::f64::consts::TAU * 0.3 * t).sin()]
+    u(NOMINAL.cruise_torque(v_x), amplitude * (std::f64::consts::TAU * 0.3 * t).sin())
 }
 
 /// The outputs of a detector that watches `step` from straight ahead at `v_x` for ten seconds.
@@ -39,14 +40,14 @@ fn watch(
     deviations: Deviations,
     v_x: f64,
     amplitude: f64,
-    step: impl Fn(VehicleState, Input) -> VehicleState,
+    step: impl Fn(StateVector, Input) -> StateVector,
 ) -> Vec<Output> {
     let mut detector = Detector::new(&configuration(deviations)).unwrap();
     let mut x = [v_x, 0.0, 0.0];
     (0..1000)
         .map(|k| {
             let u = weave(v_x, k, amplitude);
-            let output = *detector.sample([x[0], x[2]], u);
+            let output = *detector.sample(y(x[0], x[2]), u);
             x = step(x, u);
             output
         })
@@ -54,13 +55,13 @@ fn watch(
 }
 
 /// Continuous time: ten Runge-Kutta steps a sample.
-fn continuous(vehicle: &Vehicle, x: VehicleState, u: Input) -> VehicleState {
-    (0..10).fold(x, |x, _| rk4(|x| vehicle.derivative(x, u), x, T_S / 10.0))
+fn continuous(vehicle: &Vehicle, x: StateVector, u: Input) -> StateVector {
+    (0..10).fold(x, |x, _| rk4(|x| vehicle.derivative(x.into(), u), x, T_S / 10.0))
 }
 
 /// Euler's step with a further slope: what the model (7) is for another vehicle.
-fn euler(vehicle: &Vehicle, x: VehicleState, u: Input, further: VehicleState) -> VehicleState {
-    let slope = vehicle.derivative(x, u);
+fn euler(vehicle: &Vehicle, x: StateVector, u: Input, further: StateVector) -> StateVector {
+    let slope = vehicle.derivative(x.into(), u);
     [0, 1, 2].map(|i| x[i] + T_S * (slope[i] + further[i]))
 }
 
@@ -93,9 +94,9 @@ fn the_threshold_rises_with_the_manoeuvre_and_sinks_after_it() {
     let mut x = [15.0, 0.0, 0.0];
     let mut j_th = Vec::new();
     for k in 0..3000 {
-        let [t_eng, delta] = weave(15.0, k, 0.04);
-        let u = [t_eng, if k < 1000 { delta } else { 0.0 }];
-        j_th.push(detector.sample([x[0], x[2]], u).j_th);
+        let Input { t_eng_n_m, delta_rad } = weave(15.0, k, 0.04);
+        let u = u(t_eng_n_m, if k < 1000 { delta_rad } else { 0.0 });
+        j_th.push(detector.sample(y(x[0], x[2]), u).j_th);
         x = euler(&NOMINAL, x, u, [0.0; 3]);
     }
     assert_eq!(j_th[0], LEVEL);
@@ -110,8 +111,9 @@ fn detectability_is_the_j_of_the_smallest_fault_over_the_threshold() {
         smallest_fault: TsModel::PAPER.b().map(|row| row[1] * fault_rad),
         ..Deviations::NONE
     };
-    let faulty =
-        |x, [t_eng, delta]: Input| euler(&NOMINAL, x, [t_eng, delta + fault_rad], [0.0; 3]);
+    let faulty = |x, commanded: Input| {
+        euler(&NOMINAL, x, u(commanded.t_eng_n_m, commanded.delta_rad + fault_rad), [0.0; 3])
+    };
     let outputs = watch(deviations, 15.0, 0.0, faulty);
     let Output { j_rms, j_th, detectability, .. } = outputs[300];
     assert!(detectability > 1.0, "excited");
@@ -131,10 +133,10 @@ fn an_actuator_slower_than_modelled_stays_below_the_threshold() {
         let mut x = [15.0, 0.0, 0.0];
         let mut largest: f64 = 0.0;
         for k in 0..1000 {
-            let [t_eng, command] = weave(15.0, k, 0.04);
-            let output = *detector.sample([x[0], x[2]], [t_eng, command]);
+            let Input { t_eng_n_m, delta_rad: command } = weave(15.0, k, 0.04);
+            let output = *detector.sample(y(x[0], x[2]), u(t_eng_n_m, command));
             let delta = wheel.sample(&lag(lag_s), T_S, command);
-            x = euler(&NOMINAL, x, [t_eng, delta], [0.0; 3]);
+            x = euler(&NOMINAL, x, u(t_eng_n_m, delta), [0.0; 3]);
             largest = largest.max(output.j_rms / output.j_th);
         }
         assert!((0.2..1.02).contains(&largest), "{largest} of the threshold with {lag_s} s");
@@ -143,13 +145,14 @@ fn an_actuator_slower_than_modelled_stays_below_the_threshold() {
 
 /// Sums of the magnitudes of what [`Vehicle::derivative`] adds up: its rounding, and that of its
 /// arguments, is a few units in the last place of these.
-fn magnitudes([v_x, v_y, r]: VehicleState, [t_eng, delta]: Input) -> VehicleState {
+fn magnitudes([v_x, v_y, r]: StateVector, u: Input) -> StateVector {
     let v = &NOMINAL;
     let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
     let (v_y, r) = (v_y.abs(), r.abs());
-    let front = 2.0 * v.front_cornering_stiffness_n_per_rad * (delta.abs() + (v_y + l_f * r) / v_x);
+    let front =
+        2.0 * v.front_cornering_stiffness_n_per_rad * (u.delta_rad.abs() + (v_y + l_f * r) / v_x);
     let rear = 2.0 * v.rear_cornering_stiffness_n_per_rad * (v_y + l_r * r) / v_x;
-    let torque = t_eng.abs() + v.cruise_torque(v_x);
+    let torque = u.t_eng_n_m.abs() + v.cruise_torque(v_x);
     let drag = v.lateral_drag_n_s2_per_m2 * v_y * v_y;
     [
         torque / v.effective_longitudinal_inertia_kg_m + v_y * r,
@@ -166,8 +169,8 @@ proptest! {
         v_x in 5.0..30.0, v_y in -1.5..1.5, r in -0.55..0.55,
         t_eng in -2000.0..2000.0, delta in -0.3..0.3,
     ) {
-        let (x, u) = ([v_x, v_y, r], [t_eng, delta]);
-        let at = |h| NOMINAL.derivative(rk4(|x| NOMINAL.derivative(x, u), x, h), u);
+        let (x, u) = ([v_x, v_y, r], u(t_eng, delta));
+        let at = |h| NOMINAL.derivative(rk4(|x| NOMINAL.derivative(x.into(), u), x, h).into(), u);
         let quotient = |h: f64| {
             let near = [at(h), at(-h)];
             let far = [at(2.0 * h), at(-2.0 * h)];
@@ -178,7 +181,7 @@ proptest! {
         let h = 3e-5;
         let (fine, coarse) = (quotient(h), quotient(2.0 * h));
         let rounding = magnitudes(x, u).map(|sum| 20.0 * f64::EPSILON * sum / h);
-        for (i, value) in NOMINAL.second_derivative(x, u).into_iter().enumerate() {
+        for (i, value) in NOMINAL.second_derivative(x.into(), u).into_iter().enumerate() {
             let tolerance = (fine[i] - coarse[i]).abs() + rounding[i];
             prop_assert!((value - fine[i]).abs() <= tolerance, "{i}: {value} {} {tolerance}", fine[i]);
         }
@@ -212,7 +215,7 @@ proptest! {
             ..NOMINAL
         };
         let amplitude = a_y * (2.62 / (v_x * v_x) + 0.0017);
-        let step = |x: VehicleState, u| {
+        let step = |x: StateVector, u| {
             let force = gust * uncertainty.gust.side_force(x[0]);
             let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
             let push = [0.0, 0.3 * bank + force / m, 0.25 * force / i_z];

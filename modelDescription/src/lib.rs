@@ -17,7 +17,7 @@ pub mod unit;
 pub mod xml;
 
 pub use table::{
-    Causality, DefaultExperiment, EnumerationItem, EnumerationType, Initial, Kind, LogCategory,
-    ModelInfo, RealKind, Role, Value, Variability, Variable, VariableSet,
+    Causality, DefaultExperiment, Dependencies, EnumerationItem, EnumerationType, Initial, Kind,
+    LogCategory, ModelInfo, RealKind, Role, Value, Variability, Variable, VariableSet,
 };
 pub use unit::{DisplayUnit, Unit};

@@ -254,19 +254,33 @@ pub struct Variable {
     pub kind: Kind,
 }
 
+/// What an output depends on without a communication step between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dependencies<V: 'static> {
+    /// The output.
+    pub output: V,
+    /// Inputs that it follows at a communication point.
+    pub inputs: &'static [V],
+    /// Inputs and parameters that it follows until the end of Initialization Mode.
+    pub initial: &'static [V],
+}
+
 /// The variables of a model as a fieldless enumeration, made by [`variables!`](crate::variables).
 pub trait VariableSet: Copy + PartialEq + core::fmt::Debug + 'static {
     /// All variables; the value reference is the index.
     const ALL: &'static [Self];
     /// Their data, in the same order.
     const TABLE: &'static [Variable];
+    /// What outputs depend on at once; an output that is not named depends on nothing.
+    const DEPENDENCIES: &'static [Dependencies<Self>] = &[];
 
     /// Value reference.
     fn value_reference(self) -> u32;
 }
 
 /// Declares the variables of a model: a fieldless enumeration, so that a model's `get` and `set`
-/// are exhaustive matches, and the table of their data in value-reference order.
+/// are exhaustive matches, and the table of their data in value-reference order. A second block may
+/// follow for [`VariableSet::DEPENDENCIES`]: output, inputs, initial.
 ///
 /// ```
 /// use steerguard_model_description::{Kind, Role, VariableSet, unit, variables};
@@ -288,6 +302,9 @@ macro_rules! variables {
         $visibility:vis enum $set:ident {
             $($variable:ident, $name:literal, $description:literal, $role:expr, $kind:expr;)+
         }
+        $(dependencies {
+            $($output:ident: [$($input:ident),*], [$($known:ident),*];)+
+        })?
     ) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -306,6 +323,13 @@ macro_rules! variables {
                     kind: $kind,
                 }),+
             ];
+            $(const DEPENDENCIES: &'static [$crate::Dependencies<Self>] = &[
+                $($crate::Dependencies {
+                    output: Self::$output,
+                    inputs: &[$(Self::$input),*],
+                    initial: &[$(Self::$known),*],
+                }),+
+            ];)?
 
             fn value_reference(self) -> u32 {
                 self as u32

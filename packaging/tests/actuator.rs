@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../designer/tests/common/designed.rs"]
+mod designed;
 #[path = "common/fmu.rs"]
 mod fmu;
 
@@ -10,10 +12,11 @@ use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Fmu;
+use steerguard_designer::Spec;
 use steerguard_designer::threshold::calibration::steady_angle;
-use steerguard_designer::{Spec, design};
 use steerguard_detector::{Actuator, Vehicle};
 
+use designed::designed;
 use fmu::open;
 
 /// The paper's design, with few drives in the calibration.
@@ -42,8 +45,7 @@ const END_S: f64 = 6.0;
 
 /// The detector of a specification with `[actuator]`, and its threshold.
 fn detector(actuator: &str) -> (Fmu, f64) {
-    let design = design(&Spec::from_toml(&format!("{actuator}\n{PAPER}")).unwrap(), &mut |_| {});
-    let design = design.unwrap();
+    let design = designed(&Spec::from_toml(&format!("{actuator}\n{PAPER}")).unwrap()).unwrap();
     let bytes = detector_fmu(&baked(&design).unwrap(), &[], &Runtimes::detector()).unwrap();
     (open(&bytes), design.evaluation.threshold)
 }

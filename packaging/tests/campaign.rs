@@ -5,7 +5,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::OnceLock;
 use std::time::Duration;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -16,21 +15,18 @@ use tempfile::TempDir;
 #[path = "common/command.rs"]
 mod command;
 
-use command::{failure, success};
+use command::{failure, made_by_command, success};
 
 /// Drives of the campaign that is run in several ways, and its blocks.
 const DRIVES: u64 = 190;
 const BLOCKS: usize = 12;
 
-/// A folder with the paper's design and `whole/`, the results of one uninterrupted run.
-fn reference() -> &'static TempDir {
-    static FOLDER: OnceLock<TempDir> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("spec.toml"), "").unwrap();
-        success(folder.path(), &["design", "spec.toml"]);
-        success(folder.path(), &campaign(&["--jobs", "1", "-o", "whole"]));
-        folder
+/// A folder with the default design and `whole/`, the results of one uninterrupted run.
+fn reference() -> PathBuf {
+    made_by_command("", |folder| {
+        fs::write(folder.join("spec.toml"), "").unwrap();
+        success(folder, &["design", "spec.toml"]);
+        success(folder, &campaign(&["--jobs", "1", "-o", "whole"]));
     })
 }
 
@@ -43,7 +39,7 @@ fn campaign<'a>(further: &[&'a str]) -> Vec<&'a str> {
 /// A folder of its own with a copy of the design.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    fs::copy(reference().path().join("design.json"), folder.path().join("design.json")).unwrap();
+    fs::copy(reference().join("design.json"), folder.path().join("design.json")).unwrap();
     folder
 }
 
@@ -72,7 +68,7 @@ fn blocks(folder: &Path) -> Vec<PathBuf> {
 
 fn assert_results_are_the_references(folder: &Path) {
     for name in ["results.parquet", "report.json", "campaign.json"] {
-        let expected = fs::read(reference().path().join("whole").join(name)).unwrap();
+        let expected = fs::read(reference().join("whole").join(name)).unwrap();
         assert!(fs::read(folder.join(name)).unwrap() == expected, "{name} differs");
     }
 }
@@ -141,7 +137,7 @@ fn parts_merge_into_what_one_run_gives() {
 #[test]
 fn one_drive_alone_is_its_row() {
     let folder = folder();
-    let rows = rows(&reference().path().join("whole"));
+    let rows = rows(&reference().join("whole"));
     for index in [0, 17, 189] {
         let number = index.to_string();
         let row = json(&success(folder.path(), &campaign(&["--drive", &number, "--json"])));
@@ -203,7 +199,7 @@ fn signals_are_the_samples_of_the_drives() {
 
 #[test]
 fn the_table_holds_every_drive_once_and_in_order() {
-    let whole = reference().path().join("whole");
+    let whole = reference().join("whole");
     let file = fs::File::open(whole.join("results.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
     let metadata = reader.metadata().file_metadata();
@@ -286,7 +282,7 @@ fn a_bias_of_two_degrees_is_always_detected() {
 
 #[test]
 fn a_fault_that_changes_nothing_is_not_exposed() {
-    let rows = rows(&reference().path().join("whole"));
+    let rows = rows(&reference().join("whole"));
     let stuck = |row: &&Value| row["drive"]["fault"] == "stuck";
     let verdict = |row: &Value| row["outcome"]["verdict"].clone();
     let (straight, steered): (Vec<_>, Vec<_>) =

@@ -3,14 +3,14 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::sync::OnceLock;
+use std::path::PathBuf;
 
 use tempfile::TempDir;
 
 #[path = "common/command.rs"]
 mod command;
 
-use command::{failure, success};
+use command::{failure, made_by_command, success};
 
 /// The paper's vehicle with a short calibration.
 const SPEC: &str = "\
@@ -24,17 +24,14 @@ initial_v_y_m_per_s = [0.0]
 duration_s = 2.0
 ";
 
-/// A folder with `spec.toml` and its `design.json`, made once.
-fn designed() -> &'static TempDir {
-    static FOLDER: OnceLock<TempDir> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("spec.toml"), SPEC).unwrap();
-        let text = success(folder.path(), &["design", "spec.toml"]);
+/// A folder with `spec.toml` and its `design.json`.
+fn designed() -> PathBuf {
+    made_by_command(SPEC, |folder| {
+        fs::write(folder.join("spec.toml"), SPEC).unwrap();
+        let text = success(folder, &["design", "spec.toml"]);
         for part in ["certified", "beta", "bound", "gamma", "spectral radius", "design.json"] {
             assert!(text.contains(part), "{text}");
         }
-        folder
     })
 }
 
@@ -42,7 +39,7 @@ fn designed() -> &'static TempDir {
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in ["spec.toml", "design.json"] {
-        fs::copy(designed().path().join(name), folder.path().join(name)).unwrap();
+        fs::copy(designed().join(name), folder.path().join(name)).unwrap();
     }
     folder
 }

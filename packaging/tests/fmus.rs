@@ -12,7 +12,7 @@ use std::io::{Cursor, Read};
 use object::{Object as _, ObjectSymbol as _};
 use steerguard::drive::cosimulation;
 use steerguard::drive::detection::Detection;
-use steerguard::drive::scenario::Scenario;
+use steerguard::drive::scenario::{Scenario, SensorNoise};
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Type;
@@ -209,7 +209,9 @@ fn a_design_is_found_again_in_the_fmu() {
 #[test]
 fn both_fmus_run_together() {
     let (detector, plant) = (open(&detector()), open(&plant()));
-    let scenario = Scenario { duration_s: 8.0, ..Scenario::default() };
+    // Without noise: what the test's own gains make of it says nothing.
+    let sensor_noise = SensorNoise::default();
+    let scenario = Scenario { duration_s: 8.0, sensor_noise, ..Scenario::default() };
     let run = cosimulation::run(&detector, &plant, &scenario, 15.0).unwrap();
     assert_eq!(run.samples.len(), 800);
     let detection = Detection::of(&run);

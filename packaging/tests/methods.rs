@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../designer/tests/common/designed.rs"]
+mod designed;
 #[path = "common/fmu.rs"]
 mod fmu;
 #[path = "../../designer/tests/common/s1.rs"]
@@ -12,8 +14,9 @@ use steerguard::drive::scenario::{Scenario, Signal};
 use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
-use steerguard_designer::{Design, DesignStatus, Spec, design};
+use steerguard_designer::{Design, DesignStatus, Spec};
 
+use designed::designed;
 use fmu::open;
 use s1::S1;
 
@@ -32,9 +35,9 @@ const NOISE: &str = r#"
     initial_v_y_m_per_s = [0]
 "#;
 
-fn designed(method: &str) -> Design {
+fn designed_by(method: &str) -> Design {
     let spec = Spec::from_toml(&format!("design.method = \"{method}\"\n{S1}{NOISE}")).unwrap();
-    design(&spec, &mut |_| {}).unwrap()
+    designed(&spec).unwrap()
 }
 
 /// J without and with a fault of 1 degree, both without their transients: the largest, the smallest.
@@ -56,7 +59,7 @@ fn levels(design: &Design, speed: f64) -> (f64, f64) {
 
 #[test]
 fn the_fault_stands_out_of_noise_by_method_gap_and_drowns_by_method_paper() {
-    let [gap, paper] = ["gap", "paper"].map(designed);
+    let [gap, paper] = ["gap", "paper"].map(designed_by);
     // METHOD.md 7: a grid search reaches 5.41 for S2, the paper's constants 1.98.
     assert_eq!(gap.synthesis.status, DesignStatus::Certified);
     assert!(gap.performance.detection_ratio >= 7.0, "{}", gap.performance.detection_ratio);

@@ -13,7 +13,7 @@
 //! - The operating points are a grid over S_x, its corners included.
 
 use nalgebra::{Complex, Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2, Vector3};
-use steerguard_detector::{C, Gains, Interval, RULES, TsModel};
+use steerguard_detector::{C, Gains, Interval, RULES, TsModel, VehicleState};
 
 use crate::lmi::matrix::Matrix;
 use crate::problem::channel::{Channel, premise_sensitivity};
@@ -43,11 +43,12 @@ impl OperatingPoint {
     /// The model at `[v_x, v_y, r]`.
     pub fn new(model: &TsModel, state: [f64; 3]) -> Self {
         let [v_x, v_y, r] = state;
+        let x = VehicleState::from(state);
         let g_rho = square(&g_rho(model, 2.0 * v_y));
         let k = premise_sensitivity(model, state);
         Self {
             state,
-            membership: model.membership([v_x, r]),
+            membership: model.membership(x.measured()),
             a: fixed(&model.a(1.0 / v_x, r)) + g_rho,
             g_rho,
             k: Matrix3x2::from_iterator(k.iter().copied()),

@@ -13,8 +13,7 @@ const SHOWN: usize = 24;
 const SIMILAR: f64 = 0.5;
 
 /// How TOML is written.
-const GRAMMAR: &str =
-    "write `key = value`: numbers as 1450 or 1.5e3, texts in quotes, lists as [1, 2]; `[table]` begins \
+const GRAMMAR: &str = "write `key = value`: numbers as 1450 or 1.5e3, texts in quotes, lists as [1, 2]; `[table]` begins \
      a table, `[[table]]` one more of several";
 
 /// A mistake of the parser's.

@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use steerguard_detector::{
-    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Evaluation, Gust,
-    Monitor, Output, Vehicle, VehicleState, rk4,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Evaluation, Gust, Input,
+    Measurement, Monitor, Output, StateVector, Vehicle, rk4,
 };
 
 use crate::spec::{Manoeuvre, Noise, Spec, UncertaintyTable};
@@ -233,12 +233,15 @@ fn run(
         let command = |k: u64| steering(spec, drive, k as f64 * t_s);
 
         let wave = drive.disturbance.at(t);
-        let measured = [x[0] + noise.next(0, wave), x[2] + noise.next(1, wave)];
-        let output = detector.sample(measured, [t_eng, command(k)]);
+        let measured = Measurement {
+            v_x_m_per_s: x[0] + noise.next(0, wave),
+            r_rad_per_s: x[2] + noise.next(1, wave),
+        };
+        let output = detector.sample(measured, Input { t_eng_n_m: t_eng, delta_rad: command(k) });
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
             let Output { j_rms, j_th, .. } = *output;
-            let start_up_term = detector.state.start_up.term(evaluation);
+            let start_up_term = detector.state().start_up.term(evaluation);
             let level = match population {
                 Population::Specified => j_rms - start_up_term,
                 Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
@@ -250,7 +253,8 @@ fn run(
             let delta = wheel.angle(delayed);
             let t = t + f64::from(inner) * step;
             let push = plus(disturbance(spec, drive, t), world.slope(t, x[0]));
-            x = rk4(|x| plus(world.vehicle.derivative(x, [t_eng, delta]), push), x, step);
+            let u = Input { t_eng_n_m: t_eng, delta_rad: delta };
+            x = rk4(|x| plus(world.vehicle.derivative(x.into(), u), push), x, step);
         }
     }
     outcome
@@ -319,7 +323,7 @@ impl World {
     }
 
     /// What road and air add to the state's derivative at time `t` and speed `v_x`.
-    fn slope(&self, t: f64, v_x: f64) -> VehicleState {
+    fn slope(&self, t: f64, v_x: f64) -> StateVector {
         let wind = Gust { speed_m_per_s: self.gusts.wind_m_per_s(t), ..self.gust };
         let force = wind.side_force(v_x);
         let v = &self.vehicle;
@@ -381,12 +385,12 @@ impl SensorNoise {
     }
 }
 
-fn plus(a: VehicleState, b: VehicleState) -> VehicleState {
+fn plus(a: StateVector, b: StateVector) -> StateVector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// Effect of the disturbances on the state's derivative at time `t`, every one at its bound.
-fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> VehicleState {
+fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> StateVector {
     let wave = drive.disturbance.at(t);
     let channels = spec.disturbance.iter().zip(&drive.disturbance.signs);
     channels.fold([0.0; 3], |sum, (disturbance, sign)| {

@@ -12,7 +12,8 @@ pub mod gust;
 
 use serde::Serialize;
 use steerguard_detector::{
-    Configuration, ConfigurationError, Deviations, Evaluation, Input, Observer, Place, VehicleState,
+    Configuration, ConfigurationError, Deviations, Evaluation, Input, Observer, Place, StateVector,
+    VehicleState,
 };
 
 use crate::progress::Step;
@@ -189,10 +190,10 @@ fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold 
     let Configuration { model, gains, evaluation, deviations, .. } = configuration;
     let observer = Observer::new(*model, *gains);
     let (x, u) = steady_turn(configuration, v_x, a_y);
-    let n = observer.n(&model.membership([x[0], x[2]]));
-    let j = |w: VehicleState| {
+    let n = observer.n(&model.membership(x.measured()));
+    let j = |w: StateVector| {
         let e = (0..STEADY).fold([0.0; 3], |e, _| observer.respond(&n, e, w));
-        evaluation.square([e[0], e[2]]).sqrt()
+        evaluation.square(VehicleState::from(e).measured()).sqrt()
     };
     let Deviations { uncertainty, smallest_fault, .. } = deviations;
     // The actuator has come to rest.
@@ -219,5 +220,7 @@ fn steady_turn(configuration: &Configuration, v_x: f64, a_y: f64) -> (VehicleSta
     let rear_force = v.mass_kg * a_y * v.front_axle_distance_m / wheelbase;
     let rear_slip = rear_force / (2.0 * v.rear_cornering_stiffness_n_per_rad);
     let v_y = v.rear_axle_distance_m * r - v_x * rear_slip;
-    ([v_x, v_y, r], [v.cruise_torque(v_x), steady_angle(v, v_x, a_y)])
+    let x = [v_x, v_y, r].into();
+    let delta_rad = steady_angle(v, v_x, a_y);
+    (x, Input { t_eng_n_m: v.cruise_torque(v_x), delta_rad })
 }

@@ -5,7 +5,9 @@ use steerguard_designer::Design;
 use steerguard_designer::analysis::operating_point::{FrozenError, OperatingPoint};
 use steerguard_designer::problem::inputs::bounded_inputs;
 use steerguard_designer::threshold::calibration::steady_angle;
-use steerguard_detector::{Configuration, Detector, Deviations, Input, Monitor, VehicleState};
+use steerguard_detector::{
+    Configuration, Detector, Deviations, Input, Measurement, Monitor, VehicleState,
+};
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;
@@ -66,13 +68,14 @@ impl Course {
             x if x < 2.0 => Box::new(move |t| full * (frequency * t).sin()),
             _ => Box::new(move |t| full * (frequency * t).sin().signum()),
         };
-        Self { v_x, steering, start: [v_x, 0.0, 0.0] }
+        Self { v_x, steering, start: [v_x, 0.0, 0.0].into() }
     }
 
     pub fn input(&self, design: &Design, x: VehicleState, sample: usize) -> Input {
-        let t_eng = design.vehicle.cruise_torque(self.v_x)
-            + design.vehicle.effective_longitudinal_inertia_kg_m * (self.v_x - x[0]);
-        [t_eng, (self.steering)(sample as f64 * design.sampling_period_s)]
+        let t_eng_n_m = design.vehicle.cruise_torque(self.v_x)
+            + design.vehicle.effective_longitudinal_inertia_kg_m * (self.v_x - x.v_x_m_per_s);
+        let delta_rad = (self.steering)(sample as f64 * design.sampling_period_s);
+        Input { t_eng_n_m, delta_rad }
     }
 }
 
@@ -90,14 +93,16 @@ pub fn largest_j(design: &Design, inputs: &Inputs, course: &Course, signals: &Si
     for (sample, w) in signals.iter().enumerate() {
         let u = course.input(design, x, sample);
         let v = &inputs.d_y * w;
-        let output = detector.sample([x[0] + v[0], x[2] + v[1]], u);
+        let y =
+            Measurement { v_x_m_per_s: x.v_x_m_per_s + v[0], r_rad_per_s: x.r_rad_per_s + v[1] };
+        let output = detector.sample(y, u);
         if output.monitor == Monitor::Monitoring {
             let start_up = output.j_th - configuration.evaluation.threshold;
             largest = largest.max(output.j_rms - start_up);
         }
         let d = &inputs.d * w;
-        let next = configuration.model.step(x, u);
-        x = [next[0] + d[0], next[1] + d[1], next[2] + d[2]];
+        let next = configuration.model.step(x, u).vector();
+        x = [next[0] + d[0], next[1] + d[1], next[2] + d[2]].into();
     }
     largest
 }
@@ -118,7 +123,7 @@ pub fn worst(design: &Design, inputs: &Inputs, course: &Course, mut signals: Sig
     let errors: Vec<Error> = (0..signals.len())
         .map(|sample| {
             let at = FrozenError::new(
-                &OperatingPoint::new(&configuration.model, x),
+                &OperatingPoint::new(&configuration.model, x.vector()),
                 &configuration.gains,
                 e.weights,
             );

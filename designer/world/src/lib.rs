@@ -34,7 +34,7 @@ pub use tyre::Tyres;
 pub use vehicle::TrueVehicle;
 pub use wind::{CALM_S, GUST_S, Gusts, Wind};
 
-use steerguard_detector::VehicleState;
+use steerguard_detector::{StateVector, VehicleState};
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 pub const GRAVITY_M_PER_S2: f64 = 9.80665;
@@ -75,13 +75,13 @@ pub struct Excitation {
     /// Steering fault: added to the actuator's angle, rad.
     pub fault_rad: f64,
     /// What else adds to `d[v_x, v_y, r]/dt`, m/s^2, m/s^2, rad/s^2.
-    pub push: VehicleState,
+    pub push: StateVector,
 }
 
 /// Where a drive stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// `[v_x, v_y, r]` in m/s, m/s, rad/s.
+    /// The vehicle.
     pub motion: VehicleState,
     /// The steering.
     pub steering: SteeringState,
@@ -101,9 +101,9 @@ impl State {
         let bank_m_per_s2 = bank_m_per_s2(world.bank_rad);
         let [p_x, p_y, p_r] = push;
         let push = [p_x, p_y + bank_m_per_s2, p_r];
-        let derivative = |x: VehicleState, angle: f64| {
-            world.vehicle.derivative(x, drive_torque_n_m, angle + fault_rad, push)
+        let derivative = |x: StateVector, angle: f64| {
+            world.vehicle.derivative(x.into(), drive_torque_n_m, angle + fault_rad, push)
         };
-        self.motion = integration::rk4(derivative, self.motion, angles, step_s);
+        self.motion = integration::rk4(derivative, self.motion.vector(), angles, step_s).into();
     }
 }

@@ -33,8 +33,8 @@ impl Steering {
         Self { actuator, angle_limit_rad: None, offset_rad: 0.0 }
     }
 
-    /// Where a command leads to, rad.
-    fn target(&self, command_rad: f64) -> f64 {
+    /// The angle at which the road wheel settles under a command, rad.
+    pub fn settled_rad(&self, command_rad: f64) -> f64 {
         let target = command_rad - self.offset_rad;
         self.angle_limit_rad.map_or(target, |limit| target.max(-limit).min(limit))
     }
@@ -77,7 +77,7 @@ impl SteeringState {
     pub fn new(steering: &Steering, step_s: f64, command_rad: f64) -> Self {
         let steps = libm::round(steering.actuator.delay_s / step_s) as usize;
         Self {
-            angle_rad: steering.target(command_rad),
+            angle_rad: steering.settled_rad(command_rad),
             commands_rad: [command_rad; MAX_DEAD_TIME_STEPS],
             oldest: 0,
             dead_time_steps: steps.min(MAX_DEAD_TIME_STEPS),
@@ -87,7 +87,7 @@ impl SteeringState {
     /// Takes the command of a step of `step_s` and returns the angle at its beginning, in its middle
     /// and at its end, rad.
     pub fn step(&mut self, steering: &Steering, step_s: f64, command_rad: f64) -> [f64; 3] {
-        let target = steering.target(self.delayed(command_rad));
+        let target = steering.settled_rad(self.delayed(command_rad));
         let Actuator { lag_s, rate_limit_rad_per_s, .. } = steering.actuator;
         if lag_s <= 0.0 && rate_limit_rad_per_s.is_none() {
             self.angle_rad = target;

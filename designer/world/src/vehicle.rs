@@ -1,6 +1,6 @@
 //! The true vehicle: (1)-(2) with what the detector's model leaves out.
 
-use steerguard_detector::{Vehicle, VehicleState};
+use steerguard_detector::{StateVector, Vehicle, VehicleState};
 
 use crate::{GRAVITY_M_PER_S2, Tyres};
 
@@ -29,13 +29,13 @@ impl TrueVehicle {
 
     /// What a lateral force in N at the centre of gravity and a yaw moment in N m add to the state's
     /// derivative.
-    pub fn push(&self, side_force_n: f64, yaw_moment_n_m: f64) -> VehicleState {
+    pub fn push(&self, side_force_n: f64, yaw_moment_n_m: f64) -> StateVector {
         [0.0, side_force_n / self.data.mass_kg, yaw_moment_n_m / self.data.yaw_inertia_kg_m2]
     }
 
     /// Loads `[F_zf, F_zr]` in N of the axles on a level road at the longitudinal acceleration `a_x`
-    /// in m/s^2: `M (g l_r - a_x h) / L` and `M (g l_f + a_x h) / L` (METHOD.md 13). A lifted axle
-    /// carries nothing, and the other all.
+    /// in m/s^2: `M (g l_r - a_x h) / L` and `M (g l_f + a_x h) / L`. A lifted axle carries nothing,
+    /// and the other all.
     pub fn axle_loads_n(&self, a_x: f64) -> [f64; 2] {
         let Vehicle { mass_kg, front_axle_distance_m, rear_axle_distance_m, .. } = self.data;
         let weight = mass_kg * GRAVITY_M_PER_S2;
@@ -49,8 +49,9 @@ impl TrueVehicle {
     /// Axle forces `[F_yf, F_yr]` in N at state `x`, road-wheel angle `delta` and longitudinal
     /// acceleration `a_x`. Cornering stiffness is in proportion to the axle's load.
     #[inline(always)]
-    pub fn axle_forces_n(&self, [v_x, v_y, r]: VehicleState, delta: f64, a_x: f64) -> [f64; 2] {
-        let at_speed = [v_x.max(SLIP_SPEED_FLOOR_M_PER_S), v_y, r];
+    pub fn axle_forces_n(&self, x: VehicleState, delta: f64, a_x: f64) -> [f64; 2] {
+        let v_x_m_per_s = x.v_x_m_per_s.max(SLIP_SPEED_FLOOR_M_PER_S);
+        let at_speed = VehicleState { v_x_m_per_s, ..x };
         let [mut front, mut rear] = self.data.axle_forces(at_speed, delta);
         let transfers = self.centre_of_gravity_height_m > 0.0;
         if !transfers && self.tyres == Tyres::Linear {
@@ -74,9 +75,9 @@ impl TrueVehicle {
         x: VehicleState,
         drive_torque_n_m: f64,
         delta: f64,
-        [p_x, p_y, p_r]: VehicleState,
-    ) -> VehicleState {
-        let [v_x, v_y, r] = x;
+        [p_x, p_y, p_r]: StateVector,
+    ) -> StateVector {
+        let [v_x, v_y, r] = x.vector();
         let Vehicle {
             mass_kg,
             yaw_inertia_kg_m2,

@@ -1,7 +1,7 @@
 //! The world against formulas that stand beside it: steady turns, tyre limits, axle loads, symmetry.
 
 use proptest::prelude::*;
-use steerguard_detector::{Actuator, Vehicle, VehicleState};
+use steerguard_detector::{Actuator, StateVector, Vehicle};
 use steerguard_world::{
     Excitation, GRAVITY_M_PER_S2, STEP_S, State, Steering, TrueVehicle, Tyres, World,
     bank_m_per_s2, steady_angle,
@@ -9,13 +9,13 @@ use steerguard_world::{
 
 const LINEAR: World = World::of(TrueVehicle::linear(Vehicle::PAPER), Steering::DIRECT);
 
-/// `motion` after `steps` steps of 1 ms in `world`.
-fn run(world: &World, motion: VehicleState, excitation: &Excitation, steps: u32) -> VehicleState {
-    let mut state = State::new(world, STEP_S, motion, excitation.command_rad);
+/// `[v_x, v_y, r]` from `start` after `steps` steps of 1 ms in `world`.
+fn run(world: &World, start: StateVector, excitation: &Excitation, steps: u32) -> StateVector {
+    let mut state = State::new(world, STEP_S, start.into(), excitation.command_rad);
     for _ in 0..steps {
         state.step(world, excitation, STEP_S);
     }
-    state.motion
+    state.motion.vector()
 }
 
 /// Holds `v_x` on a straight road under the command `command_rad`.
@@ -74,7 +74,7 @@ fn a_bank_with_the_left_side_raised_pulls_to_the_right() {
     assert!((bank_m_per_s2(0.05) + 9.80665 * 0.05_f64.sin()).abs() < 1e-15);
     let [_, v_y, _] = run(&world, [15.0, 0.0, 0.0], &cruise(15.0, 0.0), 10);
     assert!(v_y < 0.0, "{v_y} m/s");
-    // Held straight by f = K g sin b, whatever the speed: METHOD.md 12.
+    // Held straight by f = K g sin b, whatever the speed.
     let v = Vehicle::PAPER;
     let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
     let (c_f, c_r) = (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
@@ -97,7 +97,7 @@ fn saturation_vanishes_at_small_slip_and_bounds_large() {
     }
     // Both axles at their limits: mu M g in all, whatever the steering.
     let vehicle = TrueVehicle { tyres: slick, ..LINEAR.vehicle };
-    let [front, rear] = vehicle.axle_forces_n([20.0, -100.0, 0.0], 0.0, 0.0);
+    let [front, rear] = vehicle.axle_forces_n([20.0, -100.0, 0.0].into(), 0.0, 0.0);
     let weight = Vehicle::PAPER.mass_kg * GRAVITY_M_PER_S2;
     assert!((front + rear - 0.3 * weight).abs() < 1e-9 * weight);
 }
@@ -118,7 +118,7 @@ fn braking_loads_the_front_axle() {
             + v.mass_kg * a_x * 0.57;
         assert!(moment.abs() < 1e-8, "{moment} N m");
         // Cornering stiffness goes with the load.
-        let x = [20.0, 0.2, 0.1];
+        let x = [20.0, 0.2, 0.1].into();
         let [still, braked] = [0.0, a_x].map(|a_x| vehicle.axle_forces_n(x, 0.01, a_x));
         assert!((braked[0] / still[0] - front / still_front).abs() < 1e-12);
         assert!((braked[1] / still[1] - rear / still_rear).abs() < 1e-12);
@@ -140,19 +140,19 @@ fn tyres_dissipate() {
     };
     for tyres in [Tyres::Linear, Tyres::Saturating { friction: 0.8 }] {
         let world = World::of(TrueVehicle { tyres, ..TrueVehicle::linear(data) }, Steering::DIRECT);
-        let energy = |[v_x, v_y, r]: VehicleState| {
+        let energy = |[v_x, v_y, r]: StateVector| {
             0.5 * data.mass_kg * (v_x * v_x + v_y * v_y) + 0.5 * data.yaw_inertia_kg_m2 * r * r
         };
-        let mut state = State::new(&world, STEP_S, [20.0, 2.0, -0.5], 0.0);
-        let mut before = energy(state.motion);
+        let mut state = State::new(&world, STEP_S, [20.0, 2.0, -0.5].into(), 0.0);
+        let mut before = energy(state.motion.vector());
         for _ in 0..3000 {
             state.step(&world, &Excitation::default(), STEP_S);
-            let now = energy(state.motion);
+            let now = energy(state.motion.vector());
             // Rounding: a few ulps a step.
             assert!(now <= before * (1.0 + 8.0 * f64::EPSILON), "{now} J after {before} J");
             before = now;
         }
-        let [v_x, v_y, r] = state.motion;
+        let [v_x, v_y, r] = state.motion.vector();
         assert!(v_y.abs() < 1e-3 && r.abs() < 1e-3 && v_x > 19.0, "{:?}", state.motion);
     }
 }
@@ -164,15 +164,15 @@ fn steps_converge_to_fourth_order() {
     let world = World::of(LINEAR.vehicle, steering);
     let after = |steps: u32| {
         let h = 0.8 / f64::from(steps);
-        let mut state = State::new(&world, h, [10.0, 1.0, -0.2], 0.0);
+        let mut state = State::new(&world, h, [10.0, 1.0, -0.2].into(), 0.0);
         let excitation = cruise(10.0, 0.05);
         for _ in 0..steps {
             state.step(&world, &excitation, h);
         }
-        state.motion
+        state.motion.vector()
     };
     let [coarse, middle, fine] = [20, 40, 80].map(after);
-    let distance = |a: VehicleState, b: VehicleState| (a[1] - b[1]).hypot(a[2] - b[2]);
+    let distance = |a: StateVector, b: StateVector| (a[1] - b[1]).hypot(a[2] - b[2]);
     let order = (distance(coarse, middle) / distance(middle, fine)).log2();
     assert!((3.7..4.5).contains(&order), "order {order}");
 }
@@ -238,17 +238,17 @@ proptest! {
             push: [e.push[0], -e.push[1], -e.push[2]],
             ..*e
         };
-        let mut state = State::new(&world, STEP_S, [v_x, v_y, r], 0.0);
-        let mut mirrored = State::new(&mirrored_world, STEP_S, [v_x, -v_y, -r], 0.0);
+        let mut state = State::new(&world, STEP_S, [v_x, v_y, r].into(), 0.0);
+        let mut mirrored = State::new(&mirrored_world, STEP_S, [v_x, -v_y, -r].into(), 0.0);
         for excitation in &excitations {
             for _ in 0..50 {
                 state.step(&world, excitation, STEP_S);
                 mirrored.step(&mirrored_world, &mirror(excitation), STEP_S);
             }
-            let [v_x, v_y, r] = state.motion;
-            prop_assert_eq!(mirrored.motion, [v_x, -v_y, -r]);
+            let [v_x, v_y, r] = state.motion.vector();
+            prop_assert_eq!(mirrored.motion.vector(), [v_x, -v_y, -r]);
             prop_assert_eq!(mirrored.steering.angle_rad, -state.steering.angle_rad);
-            prop_assert!(state.motion.iter().all(|x| x.is_finite()));
+            prop_assert!(state.motion.vector().iter().all(|x| x.is_finite()));
         }
     }
 
@@ -259,7 +259,7 @@ proptest! {
         commands in prop::collection::vec(-1e4..1e4_f64, 20),
     ) {
         let steering = world.steering;
-        let mut state = State::new(&world, STEP_S, [15.0, 0.0, 0.0], 0.0).steering;
+        let mut state = State::new(&world, STEP_S, [15.0, 0.0, 0.0].into(), 0.0).steering;
         for command in commands {
             for _ in 0..30 {
                 let [begin, middle, end] = state.step(&steering, STEP_S, command);

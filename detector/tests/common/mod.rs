@@ -1,6 +1,18 @@
 //! A detector's numbers that need no solver.
 
-use steerguard_detector::{Actuator, Configuration, Deviations, Evaluation, Gains, TsModel};
+use steerguard_detector::{
+    Actuator, Configuration, Deviations, Evaluation, Gains, Input, Measurement, TsModel,
+};
+
+/// A measurement in m/s and rad/s.
+pub const fn y(v_x_m_per_s: f64, r_rad_per_s: f64) -> Measurement {
+    Measurement { v_x_m_per_s, r_rad_per_s }
+}
+
+/// An input in N m and rad.
+pub const fn u(t_eng_n_m: f64, delta_rad: f64) -> Input {
+    Input { t_eng_n_m, delta_rad }
+}
 
 /// A stable observer without E: N_i keeps the lateral dynamics and contracts the measured states.
 pub fn configuration() -> Configuration {

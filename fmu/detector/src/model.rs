@@ -3,8 +3,8 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    ActuatorState, Detector, Initialisation, Input, Measurement, Monitor, Output, Responses, Rms,
-    State, VehicleState,
+    ActuatorState, ConfigurationError, Detector, Initialisation, Input, Measurement, Monitor,
+    Output, Responses, Rms, State, StateVector,
 };
 use steerguard_fmu_core::{Archive, Log, Model, Status};
 use steerguard_model_description::detector::{DetectorVariable as V, INFO, NO_ALARM_TIME};
@@ -27,13 +27,13 @@ pub struct DetectorModel {
     measurement: Measurement,
     input: Input,
     initialisation: i32,
-    z_0: VehicleState,
+    z_0: StateVector,
     start_time_s: f64,
 }
 
 impl DetectorModel {
     fn output(&self) -> &Output {
-        &self.detector.state.output
+        self.detector.output()
     }
 
     fn time_s(&self, sample: u64) -> f64 {
@@ -41,18 +41,18 @@ impl DetectorModel {
     }
 
     /// Hands the fixed parameters to the detector.
-    fn apply_initialisation(&mut self) {
-        self.detector.initialisation = match self.initialisation {
+    fn apply_initialisation(&mut self) -> Result<(), ConfigurationError> {
+        self.detector.set_initialisation(match self.initialisation {
             GIVEN => Initialisation::Given(self.z_0),
             _ => Initialisation::FirstMeasurement,
-        };
+        })
     }
 
     /// Reports what the sample just run has changed.
     #[cold]
     fn report(&self, before: Monitor, alarm_before: bool, log: &Log<'_>) -> Status {
         let output = self.output();
-        let time_s = self.time_s(self.detector.state.sample.saturating_sub(1));
+        let time_s = self.time_s(self.detector.state().sample.saturating_sub(1));
         if output.alarm != alarm_before {
             log.event(|text| {
                 text.str(if output.alarm { "alarm" } else { "alarm over" });
@@ -99,8 +99,8 @@ impl Model for DetectorModel {
             design,
             hash,
             detector,
-            measurement: [0.0; 2],
-            input: [0.0; 2],
+            measurement: Measurement::default(),
+            input: Input::default(),
             initialisation: FIRST_MEASUREMENT,
             z_0: [0.0; 3],
             start_time_s: 0.0,
@@ -119,13 +119,13 @@ impl Model for DetectorModel {
         let evaluation = &configuration.evaluation;
         let output = self.output();
         let real = match variable {
-            V::SpeedX => self.measurement[0],
-            V::YawRate => self.measurement[1],
-            V::DriveTorque => self.input[0],
-            V::SteeringAngle => self.input[1],
+            V::SpeedX => self.measurement.v_x_m_per_s,
+            V::YawRate => self.measurement.r_rad_per_s,
+            V::DriveTorque => self.input.t_eng_n_m,
+            V::SteeringAngle => self.input.delta_rad,
 
-            V::ResidualSpeedX => output.residual[0],
-            V::ResidualYawRate => output.residual[1],
+            V::ResidualSpeedX => output.residual.v_x_m_per_s,
+            V::ResidualYawRate => output.residual.r_rad_per_s,
             V::Rms => output.j_rms,
             V::Threshold => output.j_th,
             V::Alarm => return Value::Boolean(output.alarm),
@@ -145,8 +145,8 @@ impl Model for DetectorModel {
             V::AlarmLatched => return Value::Boolean(output.first_alarm.is_some()),
             V::FirstAlarmTime => output.first_alarm.map_or(NO_ALARM_TIME, |k| self.time_s(k)),
 
-            V::ThresholdFactor => self.detector.threshold_factor,
-            V::DebounceSamples => return Value::Integer(self.detector.debounce_samples as i32),
+            V::ThresholdFactor => self.detector.threshold_factor(),
+            V::DebounceSamples => return Value::Integer(self.detector.debounce_samples() as i32),
             V::Initialisation => return Value::Integer(self.initialisation),
             V::InitialZ1 => self.z_0[0],
             V::InitialZ2 => self.z_0[1],
@@ -191,16 +191,21 @@ impl Model for DetectorModel {
     #[inline(always)]
     fn set(&mut self, variable: V, value: Value<'_>) {
         match variable {
-            V::SpeedX => value.store_real(&mut self.measurement[0]),
-            V::YawRate => value.store_real(&mut self.measurement[1]),
-            V::DriveTorque => value.store_real(&mut self.input[0]),
-            V::SteeringAngle => value.store_real(&mut self.input[1]),
+            V::SpeedX => value.store_real(&mut self.measurement.v_x_m_per_s),
+            V::YawRate => value.store_real(&mut self.measurement.r_rad_per_s),
+            V::DriveTorque => value.store_real(&mut self.input.t_eng_n_m),
+            V::SteeringAngle => value.store_real(&mut self.input.delta_rad),
 
-            V::ThresholdFactor => value.store_real(&mut self.detector.threshold_factor),
+            // The limits of both are the detector's: it refuses nothing that the layer lets through.
+            V::ThresholdFactor => {
+                let mut factor = self.detector.threshold_factor();
+                value.store_real(&mut factor);
+                let _ = self.detector.set_threshold_factor(factor);
+            }
             V::DebounceSamples => {
-                let mut samples = self.detector.debounce_samples as i32;
+                let mut samples = self.detector.debounce_samples() as i32;
                 value.store_integer(&mut samples);
-                self.detector.debounce_samples = samples.unsigned_abs();
+                let _ = self.detector.set_debounce_samples(samples.unsigned_abs());
             }
             V::Initialisation => value.store_integer(&mut self.initialisation),
             V::InitialZ1 => value.store_real(&mut self.z_0[0]),
@@ -253,8 +258,7 @@ impl Model for DetectorModel {
 
     fn initialise(&mut self, start_time_s: f64) -> Result<(), &'static str> {
         self.start_time_s = start_time_s;
-        self.apply_initialisation();
-        Ok(())
+        self.apply_initialisation().map_err(|_| "z_0 is not finite")
     }
 
     fn sample(&mut self, log: &Log<'_>) -> Status {
@@ -268,11 +272,17 @@ impl Model for DetectorModel {
     }
 
     fn archive(&mut self, archive: &mut Archive<'_>) {
-        for number in self.measurement.iter_mut().chain(&mut self.input) {
+        let Measurement { v_x_m_per_s, r_rad_per_s } = &mut self.measurement;
+        let Input { t_eng_n_m, delta_rad } = &mut self.input;
+        for number in [v_x_m_per_s, r_rad_per_s, t_eng_n_m, delta_rad] {
             archive.real(number);
         }
-        archive.finite(&mut self.detector.threshold_factor);
-        archive.u32(&mut self.detector.debounce_samples);
+        let mut threshold_factor = self.detector.threshold_factor();
+        archive.real(&mut threshold_factor);
+        archive.require(self.detector.set_threshold_factor(threshold_factor).is_ok());
+        let mut debounce_samples = self.detector.debounce_samples();
+        archive.u32(&mut debounce_samples);
+        archive.require(self.detector.set_debounce_samples(debounce_samples).is_ok());
         archive.choice(&mut self.initialisation, &[FIRST_MEASUREMENT, GIVEN]);
         for number in self.z_0.iter_mut().chain([&mut self.start_time_s]) {
             archive.finite(number);
@@ -283,12 +293,14 @@ impl Model for DetectorModel {
         let slowest = configuration.deviations.uncertainty.slowest(&actuator);
         let delays = [actuator, slowest]
             .map(|actuator| actuator.delay_samples(configuration.model.sampling_period_s));
-        archive_state(&mut self.detector.state, window, delays, archive);
-        self.apply_initialisation();
+        let mut state = *self.detector.state();
+        archive_state(&mut state, window, delays, archive);
+        archive.require(self.detector.set_state(&state).is_ok());
+        archive.require(self.apply_initialisation().is_ok());
     }
 }
 
-/// Passes the detector's state through `archive`; `window`, and the `delays` of the actuator and of the
+/// Passes the detector's state, which checks it, through `archive`; `window`, and the `delays` of the actuator and of the
 /// slowest one, in samples.
 fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: &mut Archive<'_>) {
     let State {
@@ -306,18 +318,17 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
     } = state;
     archive.u64(sample);
     for number in z {
-        archive.finite(number);
+        archive.real(number);
     }
     archive.flag(tracking);
     archive.flag(armed);
     archive_rms(rms, window, archive);
-    archive.finite(&mut start_up.power);
-    archive.finite(&mut start_up.sum);
+    archive.real(&mut start_up.power);
+    archive.real(&mut start_up.sum);
     archive.size(&mut start_up.samples);
-    archive.require(start_up.samples <= window);
     let Responses { remainder, uncertainties, fault, uncertainty_rms, fault_rms } = responses;
     for number in remainder.iter_mut().chain(uncertainties.as_flattened_mut()).chain(fault) {
-        archive.finite(number);
+        archive.real(number);
     }
     archive_rms(uncertainty_rms, window, archive);
     archive_rms(fault_rms, window, archive);
@@ -328,10 +339,10 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
 
     let Output { residual, v_y_hat, j_rms, j_th, detectability, alarm, monitor, first_alarm } =
         output;
-    for number in residual.iter_mut().chain([v_y_hat, j_rms, &mut *j_th, detectability]) {
-        archive.finite(number);
+    let Measurement { v_x_m_per_s, r_rad_per_s } = residual;
+    for number in [v_x_m_per_s, r_rad_per_s, v_y_hat, j_rms, j_th, detectability] {
+        archive.real(number);
     }
-    archive.require(*j_th > 0.0);
     archive.flag(alarm);
     archive.choice(
         monitor,
@@ -343,18 +354,16 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
 fn archive_actuator(state: &mut ActuatorState, delay: usize, archive: &mut Archive<'_>) {
     let ActuatorState { commands, oldest, command, angle } = state;
     for command in commands.iter_mut().take(delay + 1) {
-        archive.finite(command);
+        archive.real(command);
     }
     archive.size(oldest);
-    archive.require(*oldest <= delay);
-    archive.optional(command, Archive::finite);
-    archive.finite(angle);
+    archive.optional(command, Archive::real);
+    archive.real(angle);
 }
 
 fn archive_rms(rms: &mut Rms, window: usize, archive: &mut Archive<'_>) {
     for square in rms.squares.iter_mut().take(window) {
-        archive.finite(square);
+        archive.real(square);
     }
     archive.size(&mut rms.oldest);
-    archive.require(rms.oldest < window);
 }

@@ -6,7 +6,7 @@ mod common;
 
 use common::{Detector, OK, PERIOD, design};
 use proptest::prelude::*;
-use steerguard_detector::Monitor;
+use steerguard_detector::{Input, Measurement, Monitor};
 use steerguard_fmi2::types::fmi2Status;
 use steerguard_fmu::DetectorModel;
 use steerguard_fmu_core::Model;
@@ -33,10 +33,10 @@ fn inputs(step: usize) -> [f64; 4] {
 
 /// Asserts that all outputs equal those of the plain detector, bit for bit.
 fn assert_same(fmu: &Detector, plain: &steerguard_detector::Detector, start: f64) {
-    let output = &plain.state.output;
+    let output = plain.output();
     for (variable, expected) in [
-        (V::ResidualSpeedX, output.residual[0]),
-        (V::ResidualYawRate, output.residual[1]),
+        (V::ResidualSpeedX, output.residual.v_x_m_per_s),
+        (V::ResidualYawRate, output.residual.r_rad_per_s),
         (V::Rms, output.j_rms),
         (V::Threshold, output.j_th),
         (V::LateralSpeed, output.v_y_hat),
@@ -65,8 +65,10 @@ fn the_fmu_is_the_detector_at_every_step_size() {
             // Samples k with point <= start + k T_s < point + size, in exact arithmetic.
             let per_step = size / PERIOD;
             let end = ((step + 1) as f64 * per_step - 1e-6).ceil() as u64;
-            while plain.state.sample < end {
-                plain.sample([u[0], u[1]], [u[2], u[3]]);
+            while plain.state().sample < end {
+                let [v_x_m_per_s, r_rad_per_s, t_eng_n_m, delta_rad] = u;
+                let y = Measurement { v_x_m_per_s, r_rad_per_s };
+                plain.sample(y, Input { t_eng_n_m, delta_rad });
             }
             assert_same(&fmu, &plain, start);
         }

@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 
 use crate::unit::BASE_UNITS;
 use crate::{
-    Causality, DefaultExperiment, EnumerationType, Initial, Kind, LogCategory, ModelInfo, RealKind,
-    Unit, Value, Variability, Variable, VariableSet,
+    Causality, DefaultExperiment, Dependencies, EnumerationType, Initial, Kind, LogCategory,
+    ModelInfo, RealKind, Unit, Value, Variability, Variable, VariableSet,
 };
 
 type Xml = Writer<Vec<u8>>;
@@ -86,7 +86,7 @@ pub fn render<'a, V: VariableSet>(
             }
             Ok(())
         })?;
-        model_structure(xml, V::TABLE)
+        model_structure::<V>(xml)
     })?;
     let mut text = xml.into_inner();
     text.push(b'\n');
@@ -289,24 +289,29 @@ const fn variability(variability: Variability) -> &'static str {
     }
 }
 
-/// Outputs change in `fmi2DoStep` only: at a communication point they depend on nothing.
-fn model_structure(xml: &mut Xml, table: &[Variable]) -> io::Result<()> {
-    let outputs: Vec<usize> = (1..)
-        .zip(table)
+fn model_structure<V: VariableSet>(xml: &mut Xml) -> io::Result<()> {
+    let outputs: Vec<V> = V::ALL
+        .iter()
+        .zip(V::TABLE)
         .filter(|(_, row)| row.role.causality == Causality::Output)
-        .map(|(index, _)| index)
+        .map(|(output, _)| *output)
         .collect();
+    let index = |variable: &V| (variable.value_reference() + 1).to_string();
+    let list = |xml: &mut Xml, name, known: fn(&Dependencies<V>) -> &'static [V]| {
+        element(xml, name, vec![], |xml| {
+            outputs.iter().try_for_each(|output| {
+                let dependencies = V::DEPENDENCIES.iter().find(|of| of.output == *output);
+                let known: Vec<_> = dependencies.map_or(&[][..], known).iter().map(index).collect();
+                let attributes = vec![("index", index(output)), ("dependencies", known.join(" "))];
+                empty(xml, "Unknown", attributes)
+            })
+        })
+    };
     element(xml, "ModelStructure", vec![], |xml| {
         if outputs.is_empty() {
             return Ok(());
         }
-        ["Outputs", "InitialUnknowns"].into_iter().try_for_each(|list| {
-            element(xml, list, vec![], |xml| {
-                outputs.iter().try_for_each(|index| {
-                    let index = ("index", index.to_string());
-                    empty(xml, "Unknown", vec![index, ("dependencies", String::new())])
-                })
-            })
-        })
+        list(xml, "Outputs", |of| of.inputs)?;
+        list(xml, "InitialUnknowns", |of| of.initial)
     })
 }

@@ -13,9 +13,10 @@
 use std::fmt::Write as _;
 
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Monitor, Output, Vehicle,
+    Actuator, Configuration, ConfigurationError, Detector, Input, Monitor, Output, Vehicle,
+    VehicleState,
 };
-use steerguard_plant::dynamics::{DeadTime, Dynamics, Excitation, INTERNAL_STEP_S, PlantState};
+use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World};
 
 use crate::drive::scenario::Scenario;
 
@@ -48,18 +49,23 @@ pub fn speed_m_per_s(design: &Configuration) -> f64 {
 pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
     let scenario = Scenario::default();
     let speed = speed_m_per_s(design);
-    let initial =
-        [speed, scenario.initial_lateral_speed_m_per_s, scenario.initial_yaw_rate_rad_per_s];
+    let initial = VehicleState {
+        v_x_m_per_s: speed,
+        v_y_m_per_s: scenario.initial_lateral_speed_m_per_s,
+        r_rad_per_s: scenario.initial_yaw_rate_rad_per_s,
+    };
     let model = &design.model;
     let rows = drive(&model.vehicle, &design.actuator, initial, model.sampling_period_s, &scenario);
 
     let mut detector = Detector::new(design)?;
-    let mut output = detector.state.output;
+    let mut output = *detector.output();
     let (mut inputs, mut outputs) = (table(&DETECTOR_INPUTS), table(&DETECTOR_OUTPUTS));
-    for Row { time_s, state: [v_x, _, r, _], next, .. } in rows {
-        push(&mut inputs, time_s, &[v_x, r, next.t_eng, next.delta]);
+    for Row { time_s, motion, next, .. } in rows {
+        let [v_x, r] = motion.measured().vector();
+        push(&mut inputs, time_s, &[v_x, r, next.drive_torque_n_m, next.steering_rad]);
         push(&mut outputs, time_s, &results(&output));
-        output = *detector.sample([v_x, r], [next.t_eng, next.delta]);
+        let u = Input { t_eng_n_m: next.drive_torque_n_m, delta_rad: next.steering_rad };
+        output = *detector.sample(motion.measured(), u);
     }
     Ok([("_in.csv", inputs), ("_ref.csv", outputs)])
 }
@@ -67,13 +73,18 @@ pub fn detector(design: &Configuration) -> Result<Files, ConfigurationError> {
 /// The files of `VehiclePlant.fmu`, for communication steps of `step_s`.
 pub fn plant(vehicle: &Vehicle, speed_m_per_s: f64, step_s: f64) -> Files {
     let (mut inputs, mut outputs) = (table(&PLANT_INPUTS), table(&PLANT_OUTPUTS));
-    for row in
-        drive(vehicle, &Actuator::NONE, [speed_m_per_s, 0.0, 0.0], step_s, &Scenario::default())
-    {
-        let Row { time_s, state: [v_x, v_y, r, delta_w], last, next } = row;
-        let Excitation { t_eng, delta, fault, side_force, yaw_moment } = next;
-        push(&mut inputs, time_s, &[t_eng, delta, fault, side_force, yaw_moment]);
-        push(&mut outputs, time_s, &[v_x, r, v_x, v_y, r, delta_w + last.fault]);
+    let initial = VehicleState { v_x_m_per_s: speed_m_per_s, ..VehicleState::default() };
+    for row in drive(vehicle, &Actuator::NONE, initial, step_s, &Scenario::default()) {
+        let Row { time_s, motion, angle_rad, last, next } = row;
+        let [v_x, v_y, r] = motion.vector();
+        let Inputs { drive_torque_n_m, steering_rad, fault_rad, side_force_n, yaw_moment_n_m } =
+            next;
+        push(
+            &mut inputs,
+            time_s,
+            &[drive_torque_n_m, steering_rad, fault_rad, side_force_n, yaw_moment_n_m],
+        );
+        push(&mut outputs, time_s, &[v_x, r, v_x, v_y, r, angle_rad + last.fault_rad]);
     }
     [("_in.csv", inputs), ("_ref.csv", outputs)]
 }
@@ -81,43 +92,73 @@ pub fn plant(vehicle: &Vehicle, speed_m_per_s: f64, step_s: f64) -> Files {
 /// A communication point.
 struct Row {
     time_s: f64,
-    state: PlantState,
+    motion: VehicleState,
+    /// Of the actuator.
+    angle_rad: f64,
     /// What acted until this point.
-    last: Excitation,
+    last: Inputs,
     /// What acts from it on.
-    next: Excitation,
+    next: Inputs,
 }
 
-/// The reference vehicle from `[v_x, v_y, r]` through the scenario.
+/// Inputs of the plant.
+#[derive(Clone, Copy)]
+struct Inputs {
+    drive_torque_n_m: f64,
+    steering_rad: f64,
+    fault_rad: f64,
+    side_force_n: f64,
+    yaw_moment_n_m: f64,
+}
+
+impl Inputs {
+    /// Those of `scenario` at `time_s` for `vehicle` with the initial speed `speed`.
+    fn at(scenario: &Scenario, vehicle: &Vehicle, speed: f64, time_s: f64) -> Self {
+        let side_force_n = vehicle.mass_kg * scenario.side_wind_m_per_s2.at(time_s, speed);
+        Self {
+            drive_torque_n_m: vehicle.cruise_torque(speed)
+                + scenario.drive_torque_n_m.at(time_s, speed),
+            steering_rad: scenario.steering_angle_rad.at(time_s, speed),
+            fault_rad: scenario.steering_fault_rad(time_s, speed),
+            side_force_n,
+            yaw_moment_n_m: side_force_n * scenario.side_wind_lever_arm_m,
+        }
+    }
+
+    fn excitation(&self, vehicle: &TrueVehicle) -> Excitation {
+        Excitation {
+            drive_torque_n_m: self.drive_torque_n_m,
+            command_rad: self.steering_rad,
+            fault_rad: self.fault_rad,
+            push: vehicle.push(self.side_force_n, self.yaw_moment_n_m),
+        }
+    }
+}
+
+/// The reference vehicle from `initial` through the scenario.
 fn drive(
     vehicle: &Vehicle,
     actuator: &Actuator,
-    initial: [f64; 3],
+    initial: VehicleState,
     step_s: f64,
     scenario: &Scenario,
 ) -> Vec<Row> {
-    let [v_x, v_y, r] = initial;
-    let dynamics = Dynamics {
-        vehicle: *vehicle,
-        friction_limited: false,
-        friction: 1.0,
-        actuator_lag_s: actuator.lag_s,
-        actuator_rate_limit: actuator.rate_limit_rad_per_s.unwrap_or(0.0),
-        bank_rad: 0.0,
-    };
-    let mut last = excitation(scenario, vehicle, v_x, 0.0);
-    let mut state = [v_x, v_y, r, last.delta];
-    let mut dead_time = DeadTime::new(actuator.delay_s, last.delta);
+    let v_x = initial.v_x_m_per_s;
+    let world = World::of(TrueVehicle::linear(*vehicle), Steering::of(*actuator));
+    let inputs = |time_s| Inputs::at(scenario, vehicle, v_x, time_s);
+    let mut last = inputs(0.0);
+    let mut state = State::new(&world, STEP_S, initial, last.steering_rad);
     let mut rows = Vec::new();
     let (mut k, mut internal_steps) = (0_u32, 0.0);
     while f64::from(k) * step_s <= DURATION_S + SLACK * step_s {
         let time_s = f64::from(k) * step_s;
-        let next = excitation(scenario, vehicle, v_x, time_s);
-        rows.push(Row { time_s, state, last, next });
+        let next = inputs(time_s);
+        let State { motion, steering } = &state;
+        rows.push(Row { time_s, motion: *motion, angle_rad: steering.angle_rad, last, next });
         k += 1;
-        while internal_steps * INTERNAL_STEP_S < f64::from(k) * step_s - SLACK * INTERNAL_STEP_S {
-            let delta = dead_time.pass(next.delta);
-            state = dynamics.step(state, &Excitation { delta, ..next });
+        let excitation = next.excitation(&world.vehicle);
+        while internal_steps * STEP_S < f64::from(k) * step_s - SLACK * STEP_S {
+            state.step(&world, &excitation, STEP_S);
             internal_steps += 1.0;
         }
         last = next;
@@ -125,19 +166,8 @@ fn drive(
     rows
 }
 
-fn excitation(scenario: &Scenario, vehicle: &Vehicle, speed: f64, time_s: f64) -> Excitation {
-    let side_force = vehicle.mass_kg * scenario.side_wind_m_per_s2.at(time_s, speed);
-    Excitation {
-        t_eng: vehicle.cruise_torque(speed) + scenario.drive_torque_n_m.at(time_s, speed),
-        delta: scenario.steering_angle_rad.at(time_s, speed),
-        fault: scenario.steering_fault_rad(time_s, speed),
-        side_force,
-        yaw_moment: side_force * scenario.side_wind_lever_arm_m,
-    }
-}
-
 fn results(output: &Output) -> [f64; 6] {
-    let [v_x, r] = output.residual;
+    let [v_x, r] = output.residual.vector();
     let state = match output.monitor {
         Monitor::Starting => 1.0,
         Monitor::Monitoring => 2.0,

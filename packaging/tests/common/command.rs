@@ -1,7 +1,10 @@
 //! Running the command as users do.
 
-use std::path::Path;
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+use steerguard_test_support::once::made_once;
 
 /// Runs the command in `folder`.
 pub fn steerguard(folder: &Path, arguments: &[&str]) -> Output {
@@ -19,6 +22,16 @@ pub fn success(folder: &Path, arguments: &[&str]) -> String {
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
     assert_eq!(error, "", "{arguments:?}");
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// The folder that `make` fills by running the command, once for all tests of a run that give `key`.
+pub fn made_by_command(key: &str, make: impl FnOnce(&Path)) -> PathBuf {
+    let command = Path::new(env!("CARGO_BIN_EXE_steerguard"));
+    let made = made_once(key, &[command], |folder| {
+        make(folder);
+        Ok::<(), Infallible>(())
+    });
+    made.unwrap()
 }
 
 /// Runs what must fail with `code`, print no result, and name all `parts` in its error.

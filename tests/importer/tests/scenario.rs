@@ -80,10 +80,10 @@ fn fault(time_s: f64) -> f64 {
 /// The results of the last sample are the plain detector's, bit for bit: it computes in `+ - * /`
 /// and `sqrt` only, in a fixed order.
 fn assert_same(fmu: &mut Fmu, plain: &Detector, time_s: f64) {
-    let output = plain.state.output;
+    let output = plain.output();
     for (name, value) in [
-        ("residual.v_x", output.residual[0]),
-        ("residual.r", output.residual[1]),
+        ("residual.v_x", output.residual.v_x_m_per_s),
+        ("residual.r", output.residual.r_rad_per_s),
         ("v_y_hat", output.v_y_hat),
         ("J_rms", output.j_rms),
         ("J_th", output.j_th),
@@ -117,12 +117,17 @@ fn run(speed: f64) {
         let angle = 0.02 * (0.5 * time_s).sin() * (5.0 / speed).sqrt();
         let side_force = mass_kg * 0.1 * (-0.1 * PI * time_s).sin();
 
-        let y: Measurement = [plant.real("v_x"), plant.real("r")];
-        let u: Input = [drive_torque, angle];
-        detector.set(&[("v_x", y[0]), ("r", y[1]), ("u.T_eng", u[0]), ("u.delta", u[1])]);
+        let y = Measurement { v_x_m_per_s: plant.real("v_x"), r_rad_per_s: plant.real("r") };
+        let u = Input { t_eng_n_m: drive_torque, delta_rad: angle };
+        detector.set(&[
+            ("v_x", y.v_x_m_per_s),
+            ("r", y.r_rad_per_s),
+            ("u.T_eng", u.t_eng_n_m),
+            ("u.delta", u.delta_rad),
+        ]);
         plant.set(&[
-            ("u.T_eng", u[0]),
-            ("u.delta", u[1]),
+            ("u.T_eng", drive_torque),
+            ("u.delta", angle),
             ("fault", fault(time_s)),
             ("disturbance.side_force", side_force),
             ("disturbance.yaw_moment", SIDE_WIND_LEVER_ARM_M * side_force),
@@ -132,7 +137,7 @@ fn run(speed: f64) {
         plain.sample(y, u);
 
         assert_same(&mut detector, &plain, time_s);
-        assert_eq!(plain.state.output.monitor, Monitor::Monitoring, "at {time_s} s");
+        assert_eq!(plain.output().monitor, Monitor::Monitoring, "at {time_s} s");
         if time_s < FAULT_ONSET_S - 1e-9 {
             assert!(!detector.boolean("alarm"), "false alarm at {time_s} s and {speed} m/s");
         }

@@ -14,7 +14,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use steerguard_detector::{Configuration, ConfigurationError, Detector, Output};
+use steerguard_detector::{
+    Configuration, ConfigurationError, Detector, Input, Measurement, Output,
+};
 
 /// Columns of a drive's inputs.
 pub const INPUTS: [&str; 4] = ["v_x_m_per_s", "r_rad_per_s", "t_eng_n_m", "delta_rad"];
@@ -78,11 +80,11 @@ impl Table {
 fn fields(output: &Output) -> [(&'static str, String); 9] {
     let Output { residual, v_y_hat, j_rms, j_th, detectability, alarm, monitor, first_alarm } =
         output;
-    let [v_x, r] = residual;
+    let Measurement { v_x_m_per_s, r_rad_per_s } = residual;
     let real = |x: &f64| format!("{x:?}");
     [
-        ("residual_v_x_m_per_s", real(v_x)),
-        ("residual_r_rad_per_s", real(r)),
+        ("residual_v_x_m_per_s", real(v_x_m_per_s)),
+        ("residual_r_rad_per_s", real(r_rad_per_s)),
         ("v_y_hat_m_per_s", real(v_y_hat)),
         ("j_rms", real(j_rms)),
         ("j_th", real(j_th)),
@@ -145,7 +147,10 @@ impl Trace {
     /// [`TraceError`] if the detector refuses the configuration.
     pub fn run(&self) -> Result<Vec<Output>, TraceError> {
         let mut detector = at(&self.outputs_file, Detector::new(&self.configuration))?;
-        let run = |&[v_x, r, t_eng, delta]: &[f64; 4]| *detector.sample([v_x, r], [t_eng, delta]);
+        let run = |&[v_x_m_per_s, r_rad_per_s, t_eng_n_m, delta_rad]: &[f64; 4]| {
+            let y = Measurement { v_x_m_per_s, r_rad_per_s };
+            *detector.sample(y, Input { t_eng_n_m, delta_rad })
+        };
         Ok(self.inputs.iter().map(run).collect())
     }
 

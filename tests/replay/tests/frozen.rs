@@ -68,7 +68,7 @@ fn one_bit_is_seen_and_told_by_variable_and_sample() {
     for k in [700, 701] {
         outputs[k].j_th = outputs[k].j_th.next_up();
     }
-    outputs[3].residual[0] = -0.0;
+    outputs[3].residual.v_x_m_per_s = -0.0;
     outputs[9].first_alarm = Some(7);
     let differences = trace.differences(&Table::of(&outputs)).unwrap();
     let found: Vec<_> = differences

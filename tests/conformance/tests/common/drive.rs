@@ -79,8 +79,8 @@ pub const REALS: [&str; 8] = [
 
 impl Shown {
     fn of(detector: &Detector, period_s: f64) -> Self {
-        let output = &detector.state.output;
-        let [residual_v_x, residual_r] = output.residual;
+        let output = detector.output();
+        let [residual_v_x, residual_r] = output.residual.vector();
         let ratio = output.j_rms / output.j_th;
         let first_alarm = output.first_alarm.map_or(-1.0, |k| k as f64 * period_s);
         Self {
@@ -112,8 +112,9 @@ pub fn plain(mut detector: Detector, step: Step, period_s: f64) -> Vec<Shown> {
     let mut next_sample = 0;
     (0..step.count(period_s))
         .map(|i| {
-            let [v_x, r, torque, angle] = inputs(i as f64 * size_s);
-            let (y, u): (Measurement, Input) = ([v_x, r], [torque, angle]);
+            let [v_x_m_per_s, r_rad_per_s, t_eng_n_m, delta_rad] = inputs(i as f64 * size_s);
+            let y = Measurement { v_x_m_per_s, r_rad_per_s };
+            let u = Input { t_eng_n_m, delta_rad };
             while step.of_sample(next_sample) == i {
                 detector.sample(y, u);
                 next_sample += 1;

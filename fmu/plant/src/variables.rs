@@ -14,7 +14,7 @@ pub const INFO: ModelInfo = ModelInfo {
     name: "VehiclePlant",
     identifier: "VehiclePlant",
     description: "Reference vehicle for the steering-fault detector: nonlinear two-degree-of-freedom \
-                  dynamics with longitudinal speed, steering fault, disturbances and sensor noise.",
+                  dynamics with longitudinal speed, steering fault, disturbances and sensor errors.",
 };
 
 /// A signal that moves during a communication step.
@@ -40,9 +40,9 @@ variables! {
             Role::INPUT, Kind::real(&unit::NEWTON_METRE).min(-1e6).max(1e6).nominal(100.0);
 
         // Outputs.
-        SpeedX, "v_x", "Measured longitudinal speed, with sensor noise", SIGNAL,
+        SpeedX, "v_x", "Measured longitudinal speed, with the errors of its sensor", SIGNAL,
             Kind::real(&unit::METRE_PER_SECOND).nominal(10.0);
-        YawRate, "r", "Measured yaw rate, with sensor noise", SIGNAL,
+        YawRate, "r", "Measured yaw rate, with the errors of its sensor", SIGNAL,
             Kind::real(&unit::RADIAN_PER_SECOND).nominal(0.1);
         TrueSpeedX, "true.v_x", "Longitudinal speed of the centre of gravity", SIGNAL,
             Kind::real(&unit::METRE_PER_SECOND).nominal(10.0);
@@ -87,6 +87,9 @@ variables! {
             Role::FIXED_PARAMETER,
             Kind::real(&unit::NEWTON_SECOND_SQUARED_PER_METRE_SQUARED)
                 .min(0.0).max(1e4).nominal(1.0);
+        CentreOfGravityHeight, "vehicle.h",
+            "Height of the centre of gravity above the road, 0 for no load transfer",
+            Role::FIXED_PARAMETER, Kind::real(&unit::METRE).min(0.0).max(10.0).nominal(0.5);
 
         // What the detector does not know.
         FrictionLimited, "tyre.friction_limited", "Whether friction limits the axle forces (tanh)",
@@ -94,7 +97,7 @@ variables! {
         Friction, "tyre.friction", "Friction coefficient, used if tyre.friction_limited",
             Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(0.01).max(3.0).nominal(1.0);
         ActuatorLag, "actuator.lag",
-            "Time constant of the steering actuator; below a millisecond there is none",
+            "Time constant of the steering actuator, 0 for none",
             Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(10.0).nominal(0.1);
         ActuatorDelay, "actuator.delay",
             "Dead time of the steering actuator in whole milliseconds, 0 for none",
@@ -103,8 +106,34 @@ variables! {
             "Fastest turn of the road wheel by the steering actuator, 0 for no limit",
             Role::FIXED_PARAMETER,
             Kind::real(&unit::RADIAN_PER_SECOND).min(0.0).max(100.0).nominal(1.0);
-        Bank, "road.bank", "Road bank, positive where gravity pulls to the left",
+        ActuatorAngleLimit, "actuator.angle_limit",
+            "Largest angle of the road wheel to either side by the steering actuator, 0 for no limit",
+            Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(0.0).max(1.6).nominal(0.5);
+        SteeringOffset, "steering.offset",
+            "What the steering shows at zero: the road wheel stands this far to the right of u.delta",
+            Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(-0.2).max(0.2).nominal(0.005);
+        Bank, "road.bank",
+            "Road bank, positive with the left side raised: gravity then pulls to the right",
             Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(-1.0).max(1.0).nominal(0.05);
+        BiasSpeedX, "sensor.v_x_bias", "What the sensor of v_x shows at zero",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::METRE_PER_SECOND).min(-10.0).max(10.0).nominal(0.05);
+        BiasYawRate, "sensor.r_bias", "What the sensor of r shows at zero",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::RADIAN_PER_SECOND).min(-1.0).max(1.0).nominal(0.002);
+        ScaleSpeedX, "sensor.v_x_scale", "Relative error of the scale of v_x",
+            Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(-0.5).max(0.5).nominal(0.01);
+        ScaleYawRate, "sensor.r_scale", "Relative error of the scale of r",
+            Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(-0.5).max(0.5).nominal(0.01);
+        ResolutionSpeedX, "sensor.v_x_resolution",
+            "Distance between the values that v_x can take, 0 for any", Role::FIXED_PARAMETER,
+            Kind::real(&unit::METRE_PER_SECOND).min(0.0).max(10.0).nominal(0.01);
+        ResolutionYawRate, "sensor.r_resolution",
+            "Distance between the values that r can take, 0 for any", Role::FIXED_PARAMETER,
+            Kind::real(&unit::RADIAN_PER_SECOND).min(0.0).max(1.0).nominal(0.001);
+        SensorsHeld, "sensor.held",
+            "Whether v_x and r are held for noise.sample_period, as the noise on them always is",
+            Role::FIXED_PARAMETER, Kind::Boolean;
         NoiseSpeedX, "noise.v_x", "Standard deviation of the white noise on v_x",
             Role::FIXED_PARAMETER,
             Kind::real(&unit::METRE_PER_SECOND).min(0.0).max(10.0).nominal(0.02);
@@ -115,5 +144,14 @@ variables! {
             Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(1e-4).max(10.0).nominal(0.01);
         NoiseSeed, "noise.seed", "Seed of the noise: same seed, same noise",
             Role::FIXED_PARAMETER, Kind::Integer { min: i32::MIN, max: i32::MAX };
+    }
+    dependencies {
+        SpeedX: [], [InitialSpeedX, BiasSpeedX, ScaleSpeedX, ResolutionSpeedX, NoiseSpeedX, NoiseSeed];
+        YawRate: [],
+            [InitialYawRate, BiasYawRate, ScaleYawRate, ResolutionYawRate, NoiseYawRate, NoiseSeed];
+        TrueSpeedX: [], [InitialSpeedX];
+        TrueSpeedY: [], [InitialSpeedY];
+        TrueYawRate: [], [InitialYawRate];
+        WheelAngle: [Fault], [SteeringAngle, Fault, ActuatorAngleLimit, SteeringOffset];
     }
 }
