@@ -8,8 +8,8 @@ use steerguard_designer::document::{Diagnostic, Label, Level, Source};
 
 /// Columns that a message takes at most.
 const WIDTH: usize = 80;
-/// Columns before the text of a note: that of the line numbers excepted.
-const NOTE_INDENT: usize = 9;
+/// Columns before the text of a note, beside line numbers of up to four digits.
+const NOTE_INDENT: usize = 13;
 
 /// Draws `diagnostic`, with the colours of a terminal.
 pub(super) fn draw(diagnostic: &Diagnostic) -> String {

@@ -98,19 +98,6 @@ impl From<crate::output::OutputError> for Failure {
     }
 }
 
-impl From<crate::drive::scenario::ScenarioError> for Failure {
-    fn from(error: crate::drive::scenario::ScenarioError) -> Self {
-        use crate::drive::scenario::ScenarioError;
-        let help = match &error {
-            ScenarioError::Read { .. } => {
-                "check the path; without --scenario the paper's is driven"
-            }
-            _ => "`steerguard simulate --print-scenario` shows every key with its default",
-        };
-        Self::bad(&error).help(help)
-    }
-}
-
 impl From<crate::campaign::CampaignError> for Failure {
     fn from(error: crate::campaign::CampaignError) -> Self {
         use crate::campaign::CampaignError;

@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
-use steerguard_designer::document::Source;
+use steerguard_designer::document::{Mistakes, Source};
 use steerguard_designer::{Design, DesignError, DesignFileError, Spec};
 
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
+use crate::drive::scenario::Scenario;
 
 /// Text of the file at `path`.
 pub(super) fn text(path: &Path) -> Result<String, Failure> {
     let bytes = std::fs::read(path).map_err(|error| {
         Failure::bad(format!("cannot read `{}`: {error}", path.display())).help(
-            "check the path; specifications are TOML, designs are made by `steerguard design`",
+            "check the path; specifications and scenarios are TOML, designs are made by `steerguard \
+             design`",
         )
     })?;
     decoded(bytes).map_err(|failure| failure.at(path.display()))
@@ -34,11 +36,26 @@ fn decoded(bytes: Vec<u8>) -> Result<String, Failure> {
 
 /// The specification in the file at `path`.
 pub(super) fn spec(path: &Path) -> Result<Spec, Failure> {
+    let help = "examples/paper.toml explains every key and states its default";
+    document(path, help, Spec::from_toml)
+}
+
+/// The scenario in the file at `path`.
+pub(super) fn scenario(path: &Path) -> Result<Scenario, Failure> {
+    let help = "`steerguard simulate --print-scenario` shows every key with its default";
+    document(path, help, Scenario::parse)
+}
+
+/// What `read` makes of the file at `path`.
+fn document<T>(
+    path: &Path,
+    help: &str,
+    read: impl FnOnce(&str) -> Result<T, Mistakes>,
+) -> Result<T, Failure> {
     let text = text(path)?;
-    Spec::from_toml(&text).map_err(|mistakes| {
+    read(&text).map_err(|mistakes| {
         let source = Source { name: path.display().to_string(), text: text.into() };
-        Failure::mistakes(&mistakes, &source)
-            .help("examples/paper.toml explains every key and states its default")
+        Failure::mistakes(&mistakes, &source).help(help)
     })
 }
 
