@@ -25,9 +25,9 @@ pub mod threshold;
 
 pub use analysis::certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::file::{
-    AttenuationRecord, Certificate, Design, DesignFileError, DesignStatus, EvaluationDesign,
-    FORMAT, FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord,
-    SynthesisRecord,
+    AttenuationRecord, Certificate, Constants, Design, DesignFileError, DesignStatus, FORMAT,
+    FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
+    ThresholdRecord,
 };
 pub use design::{DesignError, design};
 pub use progress::Step;

@@ -24,16 +24,14 @@ use steerguard_detector::{
     Actuator, Configuration, Detector, Deviations, Evaluation, Input, Measurement, Monitor, RULES,
     TsModel, VehicleState,
 };
+use steerguard_test_support::cases::ReferenceCase;
 
 mod common;
 #[path = "common/designed.rs"]
 mod designed;
-#[path = "common/s1.rs"]
-mod s1;
 
 use common::papers_but;
 use designed::designed_with_few_drives;
-use s1::S1;
 
 const MODEL: TsModel = TsModel::PAPER;
 
@@ -237,15 +235,6 @@ const TORQUE: &str = r#"
     channel = "torque"
     smallest_n_m = 50
 "#;
-/// What S2 adds.
-const WHITE_NOISE: &str = r#"
-    [evaluation]
-    weights = [0.1, 1.0]
-    [noise.v_x]
-    white_std_m_per_s = 0.02
-    [noise.r]
-    white_std_rad_per_s = 0.002
-"#;
 
 fn designed(text: &str) -> Result<Design, DesignError> {
     designed_with_few_drives(papers_but(text))
@@ -258,7 +247,7 @@ fn with_method(text: &str, method: &str) -> Design {
 /// S1 by method "gap", with a second fault.
 fn s1_by_gap() -> &'static Design {
     static DESIGN: OnceLock<Design> = OnceLock::new();
-    DESIGN.get_or_init(|| with_method(&format!("{S1}{TORQUE}"), "gap"))
+    DESIGN.get_or_init(|| with_method(&(ReferenceCase::read("s1").spec + TORQUE), "gap"))
 }
 
 /// Every figure on the right side of every other.
@@ -285,16 +274,17 @@ fn assert_ordered(design: &Design) {
 fn two_disturbances_come_near_the_limit() {
     let performance = &s1_by_gap().performance;
     assert_ordered(s1_by_gap());
-    assert!(performance.frozen.gap >= 11.2, "{}", performance.frozen.gap);
-    assert!(performance.certified.unwrap().gap >= 9.5, "{:?}", performance.certified);
-    // METHOD.md 7: with yaw rate, and without.
+    let reference = ReferenceCase::read("s1");
+    reference.check("frozen_gap_by_search", performance.frozen.gap);
+    reference.check("certified_gap_by_search", performance.certified.unwrap().gap);
     for point in &performance.operating_points {
-        let expected = if point.r_rad_per_s == 0.0 { 11.294 } else { 12.711 };
-        near("limit", point.limit.unwrap(), expected, 1e-3);
+        let turning = point.r_rad_per_s != 0.0;
+        let figure = if turning { "limit_while_turning" } else { "limit_at_r_0" };
+        reference.check(figure, point.limit.unwrap());
     }
     // Nothing but the ratio matters to the search: it holds beta where Theorem 4 would.
     let spec = &s1_by_gap().spec;
-    let bound = Theorem4::of(&spec, &Inputs::of(&spec).unwrap()).beta_bound();
+    let bound = Theorem4::of(spec, &Inputs::of(spec).unwrap()).beta_bound();
     near("beta", performance.frozen.beta, bound, 0.05);
 }
 
@@ -307,19 +297,20 @@ fn every_fault_is_reported() {
     assert!(torque.frozen.beta > 0.0 && torque.frozen.gamma == design.performance.frozen.gamma);
     near("gap", torque.frozen.gap, torque.frozen.beta * 50.0 / (torque.frozen.gamma * 0.5), 1e-12);
     assert_eq!(design.f[0].len(), 2);
-    assert!(designed(S1).unwrap().performance.other_faults.is_empty());
+    assert!(designed(&ReferenceCase::read("s1").spec).unwrap().performance.other_faults.is_empty());
 }
 
 #[test]
 fn search_multiplies_the_papers_detection_ratio_under_noise() {
-    let s2 = format!("{S1}{WHITE_NOISE}");
+    let reference = ReferenceCase::read("s2");
+    let s2 = ReferenceCase::read("s1").spec + &reference.spec;
     let [gap, paper] = ["gap", "paper"].map(|method| with_method(&s2, method));
     for design in [&gap, &paper] {
         assert_ordered(design);
     }
-    // METHOD.md 7.
-    near("paper", paper.performance.detection_ratio, 1.98, 0.03);
-    assert!(gap.performance.detection_ratio >= 7.0, "{}", gap.performance.detection_ratio);
+    let by = |design: &Design| design.performance.detection_ratio;
+    reference.check("detection_ratio_by_papers_constants", by(&paper));
+    reference.check("detection_ratio_by_search", by(&gap));
 }
 
 #[test]

@@ -5,8 +5,6 @@
 mod common;
 #[path = "common/designed.rs"]
 mod designed;
-#[path = "common/s1.rs"]
-mod s1;
 
 use serde::Deserialize;
 use steerguard_designer::analysis::certified::{ErrorSystem, Gain, certified, certify};
@@ -22,18 +20,14 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignStatus, Spec};
+use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::{Refusal, verify};
 
 use common::papers_but;
 use designed::designed_with_few_drives;
-use s1::S1;
 
 const PAPER: &str = include_str!("../../examples/paper.toml");
 const THETA: f64 = std::f64::consts::TAU * 1.5 * 0.01;
-
-fn near(value: f64, expected: f64, relative: f64) {
-    assert!((value / expected - 1.0).abs() < relative, "{value}, expected {expected}");
-}
 
 fn designed(text: &str) -> Design {
     designed_with_few_drives(Spec::from_toml(text).unwrap()).unwrap()
@@ -96,9 +90,9 @@ fn papers_largest_beta_is_worth_its_reference_values() {
     let points = OperatingPoint::grid(&model(&spec));
     let magnitudes = frozen(&points, &synthesis.gains.gains, &inputs);
     let (figures, _) = certified(&theorem, &synthesis.gains, &magnitudes, &inputs).unwrap();
-    // METHOD.md 7.
-    near(figures.beta, 1.10, 0.02);
-    assert!(figures.gamma < 0.0056, "{figures:?}");
+    let reference = ReferenceCase::read("largest_beta");
+    reference.check("certified_beta", figures.beta);
+    reference.check("certified_gamma", figures.gamma);
     // Three times what synthesis claims, a hundred times less gamma.
     assert!(figures.beta > 3.0 * synthesis.beta && figures.gamma < 0.01 * 0.8);
 }
@@ -107,20 +101,22 @@ fn papers_largest_beta_is_worth_its_reference_values() {
 fn s1_by_paper() -> Design {
     let method = "design.method = \"paper\"\ndesign.alpha_d = 0.02\n\
                   design.V = [0, 15.44715447, 14.23425414]\n";
-    designed_with_few_drives(papers_but(&format!("{method}{S1}"))).unwrap()
+    designed_with_few_drives(papers_but(&format!("{method}{}", ReferenceCase::read("s1").spec)))
+        .unwrap()
 }
 
 #[test]
 fn two_disturbances_reach_the_reference_gap() {
     let design = s1_by_paper();
     let certified = design.performance.certified.unwrap();
-    // Per degree, and per bound.
-    near(certified.beta * 1_f64.to_radians(), 0.14268, 2e-3);
-    near(certified.gamma * 0.5, 0.014793, 2e-3);
-    near(certified.gap, 9.645, 1e-3);
+    let reference = ReferenceCase::read("s1");
+    reference.check("certified_beta_per_deg_by_grid", certified.beta * 1_f64.to_radians());
+    // Of disturbances in units of their bounds.
+    reference.check("certified_gamma_by_grid", certified.gamma * 0.5);
+    reference.check("certified_gap_by_grid", certified.gap);
     assert_eq!(design.synthesis.status, DesignStatus::Certified);
     let verdict = verify(&design.to_json().unwrap()).unwrap();
-    assert_eq!(verdict.figures.gap, certified.gap);
+    assert_eq!(verdict.figures.unwrap().gap, certified.gap);
     assert_eq!(verdict.hash, design.hash);
 }
 

@@ -19,9 +19,11 @@ use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::by_cause;
 use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_designer::{
-    Design, DesignError, DesignFileError, DesignStatus, Obstacle, Spec, Step, design,
+    Design, DesignError, DesignFileError, DesignStatus, FORMAT, Obstacle, Spec, Step, design,
 };
 use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor, rk4};
+use steerguard_test_support::cases::ReferenceCase;
+use steerguard_verify::Refusal;
 
 use designed::designed;
 
@@ -54,15 +56,17 @@ fn near(value: f64, expected: f64, relative: f64) {
 fn papers_case_meets_its_reference_values() {
     let design = papers_design();
     let synthesis = &design.synthesis;
-    near(synthesis.beta_bound, 0.355856, 1e-5);
+    let largest_beta = ReferenceCase::read("largest_beta");
+    largest_beta.check("bound", synthesis.beta_bound);
     let largest = synthesis.largest_beta.as_ref().unwrap().beta;
-    near(largest, 0.355856, 1e-3);
+    largest_beta.check("solved", largest);
     assert!(largest < synthesis.beta_bound);
     near(synthesis.beta, 0.97 * synthesis.beta_bound, 1e-12);
-    near(synthesis.gamma, 0.00279, 0.01);
-    near(design.performance.frozen.beta, 0.492, 0.01);
-    near(design.performance.frozen.gamma, 0.00217, 0.01);
-    near(design.performance.spectral_radii[2], 0.934, 2e-3);
+    let reference = ReferenceCase::read("well_posed");
+    reference.check("gamma", synthesis.gamma);
+    reference.check("frozen_beta", design.performance.frozen.beta);
+    reference.check("frozen_gamma", design.performance.frozen.gamma);
+    reference.check("spectral_radius_at_30_m_per_s", design.performance.spectral_radii[2]);
     assert!(design.performance.spectral_radii.iter().all(|&radius| radius < 0.97));
     assert_eq!(synthesis.status, DesignStatus::Certified);
 }
@@ -134,15 +138,16 @@ fn start_up_residual_obeys_its_bound_under_switching() {
     let design = papers_design();
     let (theorem, gains, _) = from_file(design);
     let dynamics = error_dynamics(&theorem, &gains);
-    let start_up = design.evaluation.start_up;
-    assert!(start_up.margin.holds() && start_up.decay <= 0.97);
+    let e = &design.detector.evaluation;
+    let (amplitude, decay) = (e.start_up_amplitude, e.start_up_decay);
+    assert!(design.threshold.start_up.margin.holds() && decay <= 0.97);
     let mut largest_share = 0.0_f64;
     let mut seed = 7_u64;
     for _ in 0..200 {
         let mut e = nalgebra::DMatrix::<f64>::from_column_slice(3, 1, &[0.0, 1.5, 0.0]);
         for j in 0..300 {
             let residual = e[0].hypot(e[2]);
-            let bound = start_up.amplitude * start_up.decay.powi(j);
+            let bound = amplitude * decay.powi(j);
             largest_share = largest_share.max(residual / bound);
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             e = &dynamics[(seed >> 33) as usize % 4][(seed >> 40) as usize % 2] * e;
@@ -156,7 +161,7 @@ fn start_up_residual_obeys_its_bound_under_switching() {
 /// Simulates the paper's scenario at a constant speed with a steering fault in degrees from 5 s on;
 /// returns the first alarm in samples and J's share of its threshold just before the onset.
 fn scenario(design: &Design, v_x: f64, v_y: f64, fault_deg: f64) -> (Option<u64>, f64) {
-    let vehicle = design.vehicle;
+    let vehicle = design.detector.model.vehicle;
     let mut detector = Detector::new(&design.configuration()).unwrap();
     assert_eq!(detector.initialisation(), Initialisation::FirstMeasurement);
     let mut x = [v_x, v_y, 0.0];
@@ -205,9 +210,9 @@ fn detects_the_smallest_fault_soon_and_nothing_before() {
 #[test]
 fn threshold_is_the_calibrated_level_times_the_margin() {
     let design = papers_design();
-    let e = &design.evaluation;
-    let calibration = e.calibration.as_ref().unwrap();
-    near(e.threshold, e.margin * calibration.level, 1e-15);
+    let (e, causes) = (&design.detector.evaluation, &design.threshold);
+    let calibration = causes.calibration.as_ref().unwrap();
+    near(e.threshold, causes.margin * calibration.level, 1e-15);
     assert_eq!(calibration.drives, 2 * 2 * 2);
     // The tightest turn at the lowest speed leaves the operating range.
     assert!(calibration.monitored > 0.75 && calibration.monitored < 1.0);
@@ -222,9 +227,13 @@ fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need(
     let evaluation =
         Evaluation { threshold: ThresholdKind::Adaptive, margin: 1.2, ..spec().evaluation };
     let adaptive = designed(&Spec { uncertainty, evaluation, ..spec() }).unwrap();
-    let (e, papers) = (&adaptive.evaluation, papers_design());
-    let (level, ratio) = (e.calibration.as_ref().unwrap(), e.uncertain.as_ref().unwrap());
-    assert_eq!(e.calibration, papers.evaluation.calibration, "of the specified vehicle");
+    let (e, causes) = (&adaptive.detector.evaluation, &adaptive.threshold);
+    let (level, ratio) = (causes.calibration.as_ref().unwrap(), causes.uncertain.as_ref().unwrap());
+    assert_eq!(
+        causes.calibration,
+        papers_design().threshold.calibration,
+        "of the specified vehicle"
+    );
     near(e.uncertainty_share, 1.2 * ratio.level, 1e-15);
     near(e.threshold, 1.2 * ratio.level * level.level, 1e-15);
     assert!(ratio.level > 0.1 && ratio.level < 1.1, "{}", ratio.level);
@@ -236,7 +245,7 @@ fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need(
     near(bounds.mass, 1.0 / 0.8 - 1.0, 1e-15);
     near(bounds.front_cornering_stiffness, 0.1, 1e-15);
     near(bounds.bank_m_per_s2, 9.80665 * 3_f64.to_radians().sin(), 1e-15);
-    assert_eq!(adaptive.vertices, papers.vertices, "the gains stay as they are");
+    assert_eq!(adaptive.vertices, papers_design().vertices, "the gains stay as they are");
 }
 
 /// What people are shown cause by cause is what the detector settles at.
@@ -251,8 +260,8 @@ fn the_threshold_by_cause_is_that_of_steady_driving() {
         let (v_x, a_y) = (point.v_x_m_per_s, point.lateral_acceleration_m_per_s2);
         let y = Measurement { v_x_m_per_s: v_x, r_rad_per_s: a_y / v_x };
         let u = Input {
-            t_eng_n_m: design.vehicle.cruise_torque(v_x),
-            delta_rad: steady_angle(&design.vehicle, v_x, a_y),
+            t_eng_n_m: design.detector.model.vehicle.cruise_torque(v_x),
+            delta_rad: steady_angle(&design.detector.model.vehicle, v_x, a_y),
         };
         let mut detector = Detector::new(&design.configuration()).unwrap();
         for _ in 0..3000 {
@@ -273,8 +282,9 @@ fn a_constant_threshold_is_taken_as_it_is() {
         constant: Some(0.002),
         ..spec().evaluation
     };
-    let e = designed(&Spec { evaluation, ..spec() }).unwrap().evaluation;
-    assert_eq!((e.threshold, e.uncertainty_share), (0.002, 0.0));
+    let design = designed(&Spec { evaluation, ..spec() }).unwrap();
+    let (told, e) = (design.detector.evaluation, design.threshold);
+    assert_eq!((told.threshold, told.uncertainty_share), (0.002, 0.0));
     assert!(e.calibration.is_none() && e.uncertain.is_none() && e.guaranteed.is_none());
 }
 
@@ -288,7 +298,7 @@ fn an_actuator_changes_the_threshold_little_and_nothing_else() {
     assert_eq!(with.vertices, without.vertices);
     assert_eq!(with.performance, without.performance);
     assert_eq!(with.certificate, without.certificate);
-    let ratio = with.evaluation.threshold / without.evaluation.threshold;
+    let ratio = with.detector.evaluation.threshold / without.detector.evaluation.threshold;
     assert!(ratio < 1.2 && ratio != 1.0, "{ratio}");
     assert_eq!(with.configuration().actuator, actuator.actuator());
     assert_eq!(Design::from_json(&with.to_json().unwrap()).unwrap(), with);
@@ -315,35 +325,72 @@ fn file_reads_back_bit_for_bit() {
 fn changed_files_are_refused() {
     let design = papers_design();
     let text = design.to_json().unwrap();
-    let digit = format!("{:?}", design.e[1][1]);
-    let gain = text.replacen(&digit, &format!("{:?}", design.e[1][1] + 1e-15), 1);
-    assert!(matches!(Design::from_json(&gain), Err(DesignFileError::Hash { .. })));
+    let refusal = |text: &str| match Design::from_json(text).unwrap_err() {
+        DesignFileError::Refused(refusal) => refusal,
+        other => panic!("{other}"),
+    };
+    let gain = design.detector.gains.e[1][1];
+    let changed = text.replacen(&format!("{gain:?}"), &format!("{:?}", gain + 1e-15), 1);
+    assert!(matches!(refusal(&changed), Refusal::Hash { .. }));
     let status = text.replacen("\"certified\",", "\"uncertified\",", 1);
-    assert!(matches!(Design::from_json(&status), Err(DesignFileError::Hash { .. })));
-    let format = text.replacen("steerguard-design/1", "steerguard-design/2", 1);
+    assert!(matches!(refusal(&status), Refusal::Hash { .. }));
+    let format = text.replacen(FORMAT, "steerguard-design/1", 1);
     assert!(matches!(
-        Design::from_json(&format),
-        Err(DesignFileError::Format { found }) if found == "steerguard-design/2"
+        refusal(&format),
+        Refusal::Format { found } if found == "steerguard-design/1"
     ));
-    for broken in ["", "{}", &text[..text.len() / 2]] {
-        assert!(matches!(Design::from_json(broken), Err(DesignFileError::Json(_))));
+    for blank in ["", " \n"] {
+        assert!(matches!(refusal(blank), Refusal::Empty));
     }
+    assert!(matches!(refusal("{}"), Refusal::NoFormat));
+    assert!(matches!(refusal(&text[..text.len() / 2]), Refusal::Truncated(_)));
 
-    // A forged hash does not hide a contradiction or numbers that cannot run.
+    // A forged hash does not hide numbers that cannot run; verify finds the other contradictions.
     let forged = |change: &dyn Fn(&mut Design)| {
         let mut design = design.clone();
         change(&mut design);
         design.hash = design.computed_hash().unwrap();
         Design::from_json(&design.to_json().unwrap()).unwrap_err()
     };
-    let vehicle = forged(&|design| design.vehicle.mass_kg += 1.0);
-    assert!(matches!(vehicle, DesignFileError::Inconsistent("vehicle")));
-    let range = forged(&|design| design.premise.v_x_m_per_s = [4.0, 30.0]);
-    assert!(matches!(range, DesignFileError::Inconsistent("premise")));
     let spec = forged(&|design| design.spec.evaluation.margin = 0.0);
     assert!(matches!(spec, DesignFileError::Spec(_)));
-    let threshold = forged(&|design| design.evaluation.threshold = 0.0);
+    let threshold = forged(&|design| design.detector.evaluation.threshold = 0.0);
     assert!(matches!(threshold, DesignFileError::Configuration(_)));
+}
+
+#[test]
+fn zero_has_no_sign_in_a_design() {
+    let design = papers_design();
+    let mut signed = design.clone();
+    signed.detector.gains.e[0][1] = -0.0;
+    signed.hash = signed.computed_hash().unwrap();
+    let mut unsigned = signed.clone();
+    unsigned.detector.gains.e[0][1] = 0.0;
+    assert_eq!(unsigned.computed_hash().unwrap(), signed.hash);
+    let text = signed.to_json().unwrap();
+    assert!(text.contains("-0.0"));
+    let read = Design::from_json(&text).unwrap();
+    assert!(read.detector.gains.e[0][1].is_sign_positive(), "one hash is one detector");
+}
+
+/// The specification inside a design outlives its format.
+#[test]
+fn specification_of_an_older_design_is_read() {
+    let design = papers_design();
+    let text = design.to_json().unwrap();
+    let older =
+        text.replacen(FORMAT, "steerguard-design/1", 1).replacen("\"detector\": ", "\"d\": ", 1);
+    assert_ne!(older, text);
+    assert_eq!(Design::spec_from_json(&older).unwrap(), design.spec);
+    let other = text.replacen(FORMAT, "another/1", 1);
+    assert!(matches!(
+        Design::spec_from_json(&other),
+        Err(DesignFileError::Refused(Refusal::Format { .. }))
+    ));
+    let newer = text.replacen("\"lag_s\"", "\"lag_h\"", 1);
+    let error = Design::spec_from_json(&newer).unwrap_err();
+    assert!(matches!(error, DesignFileError::OldSpec { .. }));
+    assert!(error.to_string().contains("actuator.lag_h"), "{error}");
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn ratio(name: &str, design: &Design) -> f64 {
             largest_j(design, &inputs, &course, &signals)
         })
         .collect();
-    let bound = design.evaluation.guaranteed.as_ref().unwrap().bound;
+    let bound = design.threshold.guaranteed.as_ref().unwrap().bound;
     assert!(j.iter().all(|&j| j <= bound));
     let largest = j.into_iter().fold(0.0, f64::max);
     println!("{name}: bound {bound:.6}, largest J {largest:.6}, ratio {:.2}", bound / largest);
@@ -66,15 +66,15 @@ fn worst_found_drives_stay_below_the_bound() {
 fn claim_and_causes_are_proven() {
     let design = with_noise();
     assert_eq!(design.synthesis.status, DesignStatus::Certified);
-    let evaluation = &design.evaluation;
-    assert!(evaluation.calibration.is_none());
-    let guaranteed = evaluation.guaranteed.as_ref().unwrap();
+    let causes = &design.threshold;
+    assert!(causes.calibration.is_none());
+    let guaranteed = causes.guaranteed.as_ref().unwrap();
     let names: Vec<_> = guaranteed.inputs.iter().map(|input| input.name.as_str()).collect();
     assert_eq!(names, ["side wind", "noise of v_x", "noise of r"]);
     let sum: f64 = guaranteed.inputs.iter().map(|input| input.j).sum();
     assert!((guaranteed.bound / sum - 1.0).abs() < 1e-6);
     let level = guaranteed.bound + guaranteed.discretisation.level;
-    assert!((evaluation.threshold / (evaluation.margin * level) - 1.0).abs() < 1e-12);
+    assert!((design.detector.evaluation.threshold / (causes.margin * level) - 1.0).abs() < 1e-12);
 
     let json = design.to_json().unwrap();
     assert_eq!(Design::from_json(&json).unwrap(), *design);
@@ -93,12 +93,15 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     spec.evaluation.calibration.speeds = 3;
     spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
     let papers = designed(&spec).unwrap();
-    let bounded = papers.evaluation.guaranteed.as_ref().unwrap();
+    let bounded = papers.threshold.guaranteed.as_ref().unwrap();
     let specified = Population::Specified;
     let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});
     let level = level.unwrap().unwrap().level;
     // More than the model's bound, as the Euler steps leave something out.
-    assert!(level > bounded.bound && level < papers.evaluation.threshold, "{level}, {bounded:?}");
+    assert!(
+        level > bounded.bound && level < papers.detector.evaluation.threshold,
+        "{level}, {bounded:?}"
+    );
 }
 
 /// fixtures/peak_bounds.json.

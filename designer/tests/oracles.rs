@@ -15,6 +15,7 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_detector::RULES;
+use steerguard_test_support::cases::ReferenceCase;
 
 mod common;
 
@@ -42,7 +43,7 @@ struct Observer {
 impl Observer {
     fn gains(&self, spec: &Spec) -> ObserverGains {
         let h: [Matrix; RULES] = self.h.each_ref().map(matrix);
-        let a = model(&spec).vertices().each_ref().map(matrix);
+        let a = model(spec).vertices().each_ref().map(matrix);
         ObserverGains::new(&matrix(&self.e), &h, &a)
     }
 }
@@ -180,7 +181,7 @@ fn syntheses_agree_with_several_bands_and_bounded_noise() {
     }
 }
 
-/// The references themselves: METHOD.md 7.
+/// The references themselves.
 #[test]
 fn fixtures_meet_the_references_of_the_method() {
     let cases = frozen_cases();
@@ -188,12 +189,16 @@ fn fixtures_meet_the_references_of_the_method() {
         let case = cases.iter().find(|case| case.name == name).unwrap();
         case.points.iter().find(|x| x.state == state).unwrap().limit.unwrap()
     };
-    near("limit", limit("two disturbances", [5.0, 1.5, 0.55]), 12.711, 1e-4);
+    let s1 = ReferenceCase::read("s1");
+    s1.check("limit_while_turning", limit("two disturbances", [5.0, 1.5, 0.55]));
     // Without yaw rate the speed tells nothing of v_y, and the disturbance need not hide there.
-    near("limit", limit("two disturbances", [5.0, 0.0, 0.0]), 11.294, 1e-4);
-    for (state, expected) in
-        [([5.0, 0.0, 0.0], 14.9), ([5.0, 1.5, 0.55], 5.9), ([30.0, 0.0, 0.0], 33.0)]
-    {
-        near("limit", limit("side wind, noise in band", state), expected, 0.01);
+    s1.check("limit_at_r_0", limit("two disturbances", [5.0, 0.0, 0.0]));
+    let noisy = ReferenceCase::read("noise_in_band");
+    for (figure, state) in [
+        ("limit_at_5_0_0", [5.0, 0.0, 0.0]),
+        ("limit_at_5_1_5_0_55", [5.0, 1.5, 0.55]),
+        ("limit_at_30_0_0", [30.0, 0.0, 0.0]),
+    ] {
+        noisy.check(figure, limit("side wind, noise in band", state));
     }
 }

@@ -6,6 +6,7 @@ use steerguard_designer::Spec;
 use steerguard_designer::document::MistakeKind;
 use steerguard_designer::problem::model;
 use steerguard_designer::spec::{Disturbance, Fault, MultiplierV};
+use steerguard_test_support::cases::ReferenceCase;
 
 const PAPER: &str = include_str!("../../examples/paper.toml");
 
@@ -62,7 +63,7 @@ fn disturbances_act_as_documented() {
     assert_eq!(yaw, 0.0);
     let d = model::d(&Spec::paper());
     assert_eq!(d[1], 0.01);
-    assert!((d[2] - 0.00203867).abs() < 1e-8, "METHOD.md 7");
+    ReferenceCase::read("model").check("d_3", d[2]);
 }
 
 /// The message for a specification that shall be refused.

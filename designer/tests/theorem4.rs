@@ -11,6 +11,7 @@ use steerguard_designer::problem::model;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::{Attenuation, Multipliers, Quantities, Theorem4};
 use steerguard_detector::RULES;
+use steerguard_test_support::cases::ReferenceCase;
 
 /// 1.5 Hz at 0.01 s, rad a sample.
 const THETA: f64 = 0.0942478;
@@ -36,12 +37,13 @@ fn papers_theorem() -> Theorem4 {
 #[test]
 fn data_are_the_papers() {
     let theorem = papers_theorem();
-    for (rule, a_22, a_32) in [(0, 0.68563686, 0.05193370), (2, 0.94760614, 0.00865562)] {
-        assert!((theorem.a[rule][(1, 1)] - a_22).abs() < 1e-8, "METHOD.md 7");
-        assert!((theorem.a[rule][(2, 1)] - a_32).abs() < 1e-8, "METHOD.md 7");
+    let reference = ReferenceCase::read("model");
+    for (rule, speed) in [(0, "5_m_per_s"), (2, "30_m_per_s")] {
+        reference.check(&format!("a_22_at_{speed}"), theorem.a[rule][(1, 1)]);
+        reference.check(&format!("a_32_at_{speed}"), theorem.a[rule][(2, 1)]);
     }
-    assert!((theorem.fault.direction[(1, 0)] - 0.77235772).abs() < 1e-8, "METHOD.md 7");
-    assert!((theorem.fault.direction[(2, 0)] - 0.71171271).abs() < 1e-8, "METHOD.md 7");
+    reference.check("f_2_per_rad", theorem.fault.direction[(1, 0)]);
+    reference.check("f_3_per_rad", theorem.fault.direction[(2, 0)]);
     // rho = v_y + v_y^ reaches twice the bound of 1.5 m/s.
     assert_eq!(theorem.g_rho[1], -&theorem.g_rho[0]);
     assert!((theorem.g_rho[1][(1, 1)] - 3.0 * -0.01 * 0.45 / 1476.0).abs() < 1e-18);
@@ -215,22 +217,23 @@ fn reference_indices_are_met() {
         let d = rows(&[&[0.0, 0.0], &[0.005, 0.0], &[0.0, 0.001]]);
         theorem(d, alpha_d, 1.0, model::f(&Spec::paper()).transpose() * scale_v)
     };
-    for (name, theorem, expected) in [
-        ("S1, paper's multipliers", theorem_s1(2.0, 1.0), 5.69),
-        ("S1, best of a grid", theorem_s1(0.02, 20.0), 7.75),
+    let reference = ReferenceCase::read("s1");
+    for (figure, theorem) in [
+        ("synthesis_gap_by_papers_multipliers", theorem_s1(2.0, 1.0)),
+        ("synthesis_gap_by_grid", theorem_s1(0.02, 20.0)),
     ] {
         let beta = Some(0.97 * theorem.beta_bound());
         let synthesis = solve(&theorem, Goal::SmallestGamma { beta }).unwrap();
-        let gap = synthesis.beta * degree / synthesis.gamma;
-        assert!((gap / expected - 1.0).abs() < 2e-3, "{name}: {gap}, METHOD.md 7");
+        reference.check(figure, synthesis.beta * degree / synthesis.gamma);
         let check = check(&theorem, &synthesis.gains, &synthesis.lyapunov, synthesis.beta);
-        assert!(check.holds(), "{name}: {check:?}");
+        assert!(check.holds(), "{figure}: {check:?}");
     }
 }
 
 #[test]
 fn bound_on_beta_is_the_minimum_over_the_band() {
     let spec = Spec::paper();
+    let norm = ReferenceCase::read("model").value("f_3_per_rad");
     for alpha_f in [-0.5, 0.0, 0.3, 1.0, 2.5] {
         for band in [Band::Low(0.4), Band::High(0.4), Band::Full] {
             let mut theorem = theorem(model::d(&spec), 2.0, alpha_f, model::f(&spec).transpose());
@@ -238,12 +241,12 @@ fn bound_on_beta_is_the_minimum_over_the_band() {
             let [from, to] = band.limits();
             let by_search = (0..=10_000)
                 .map(|k| from + (to - from) * f64::from(k) / 1e4)
-                .map(|w| 0.71171271 / (alpha_f + w.cos()).hypot(w.sin()))
+                .map(|w| norm / (alpha_f + w.cos()).hypot(w.sin()))
                 .fold(f64::INFINITY, f64::min);
             assert!((theorem.beta_bound() / by_search - 1.0).abs() < 1e-8);
         }
     }
-    assert!((papers_theorem().beta_bound() - 0.355856).abs() < 1e-6, "METHOD.md 7");
+    ReferenceCase::read("largest_beta").check("bound", papers_theorem().beta_bound());
 }
 
 proptest! {

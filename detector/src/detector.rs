@@ -1,5 +1,6 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
+use crate::deviation::Standing;
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
     Measurement, Observer, OperatingRange, Place, Responses, Rms, StartUp, StateVector,
@@ -111,6 +112,7 @@ pub struct Detector {
     actuator: Actuator,
     slowest_actuator: Actuator,
     deviations: Deviations,
+    standing: Standing,
     threshold_factor: f64,
     debounce_samples: u32,
     initialisation: Initialisation,
@@ -126,13 +128,15 @@ impl Detector {
         configuration.check()?;
         let Configuration { model, hysteresis, gains, evaluation, actuator, deviations } =
             *configuration;
+        let observer = Observer::new(model, gains);
         Ok(Self {
-            observer: Observer::new(model, gains),
+            observer,
             armed_range: model.range.shrunk(hysteresis),
             evaluation,
             actuator,
             slowest_actuator: deviations.uncertainty.slowest(&actuator),
             deviations,
+            standing: Standing::new(&deviations, &observer, &evaluation),
             threshold_factor: 1.0,
             debounce_samples: evaluation.debounce_samples,
             initialisation: Initialisation::FirstMeasurement,
@@ -337,7 +341,7 @@ impl Detector {
             state.armed = false;
             return;
         }
-        let h = self.observer.model.membership(y);
+        let h = self.observer.membership(y);
         let n = self.observer.n(&h);
         state.z = self.observer.advance(&h, &n, state.z, y, u, x_hat.v_y_m_per_s);
 
@@ -348,12 +352,12 @@ impl Detector {
             v_x_m_per_s: y.v_x_m_per_s - x_hat.v_x_m_per_s - v_x,
             r_rad_per_s: y.r_rad_per_s - x_hat.r_rad_per_s - r,
         };
-        let [uncertainty, fault] = state.responses.levels(evaluation);
+        let [uncertainty, fault] = state.responses.levels(&self.standing, evaluation);
         let Measurement { v_x_m_per_s, r_rad_per_s } = y;
         let v_y_m_per_s = x_hat.v_y_m_per_s;
         let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
         let place = Place { x, u, slowest_behind_rad };
-        state.responses.advance(&self.deviations, &self.observer, &n, &place);
+        state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &place);
 
         let output = &mut state.output;
         output.residual = residual;

@@ -10,9 +10,8 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    Actuator, Evaluation, Input, Observer, Rms, StateVector, TsModel, Vehicle, VehicleState,
-};
+use crate::algebra::{product, sum};
+use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
 
 /// Number of uncertainties.
 pub const UNCERTAINTIES: usize = 7;
@@ -95,27 +94,82 @@ impl Uncertainty {
     /// What each uncertainty at its bound adds to `x'` (1) of `vehicle`, in m/s^2, m/s^2, rad/s^2 and in
     /// the order of the fields.
     pub fn slopes(&self, vehicle: &Vehicle, place: &Place) -> [StateVector; UNCERTAINTIES] {
+        let forces = vehicle.axle_forces(place.x, place.u.delta_rad);
+        Kind::ALL.map(|kind| self.slope(kind, vehicle, place, forces))
+    }
+
+    /// That of one, under the axle forces `[F_yf, F_yr]` in N.
+    fn slope(
+        &self,
+        kind: Kind,
+        vehicle: &Vehicle,
+        place: &Place,
+        [front, rear]: [f64; 2],
+    ) -> StateVector {
         let Place { x, u, slowest_behind_rad } = *place;
         let [v_x, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-        let [front, rear] = vehicle.axle_forces(x, u.delta_rad);
-        let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
-        let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
-            / vehicle.effective_longitudinal_inertia_kg_m;
-        let gust = self.gust.side_force(v_x);
-        let behind = 2.0 * vehicle.front_cornering_stiffness_n_per_rad * slowest_behind_rad;
         let (c_f, c_r) = (self.front_cornering_stiffness, self.rear_cornering_stiffness);
-        [
-            [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
-            [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
-            [0.0, c_f * front / m, c_f * l_f * front / i_z],
-            [0.0, c_r * rear / m, -c_r * l_r * rear / i_z],
-            [0.0, self.bank_m_per_s2, 0.0],
-            [0.0, gust / m, self.gust.acting_ahead_m * gust / i_z],
-            [0.0, behind / m, l_f * behind / i_z],
-        ]
+        match kind {
+            Kind::Mass => {
+                let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
+                let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
+                    / vehicle.effective_longitudinal_inertia_kg_m;
+                [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0]
+            }
+            Kind::YawInertia => [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
+            Kind::FrontStiffness => [0.0, c_f * front / m, c_f * l_f * front / i_z],
+            Kind::RearStiffness => [0.0, c_r * rear / m, -c_r * l_r * rear / i_z],
+            Kind::Bank => [0.0, self.bank_m_per_s2, 0.0],
+            Kind::Gust => {
+                let gust = self.gust.side_force(v_x);
+                [0.0, gust / m, self.gust.acting_ahead_m * gust / i_z]
+            }
+            Kind::Actuator => {
+                let behind = 2.0 * vehicle.front_cornering_stiffness_n_per_rad * slowest_behind_rad;
+                [0.0, behind / m, l_f * behind / i_z]
+            }
+        }
     }
+
+    /// Whether one is more than nothing.
+    fn acts(&self, kind: Kind) -> bool {
+        match kind {
+            Kind::Mass => self.mass > 0.0,
+            Kind::YawInertia => self.yaw_inertia > 0.0,
+            Kind::FrontStiffness => self.front_cornering_stiffness > 0.0,
+            Kind::RearStiffness => self.rear_cornering_stiffness > 0.0,
+            Kind::Bank => self.bank_m_per_s2 > 0.0,
+            Kind::Gust => self.gust.speed_m_per_s > 0.0 && self.gust.coefficient_n_s2_per_m2 > 0.0,
+            Kind::Actuator => self.actuator_lag_s > 0.0 || self.actuator_delay_s > 0.0,
+        }
+    }
+}
+
+/// The uncertainties by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Mass,
+    YawInertia,
+    FrontStiffness,
+    RearStiffness,
+    Bank,
+    Gust,
+    Actuator,
+}
+
+impl Kind {
+    /// In the order in which they are told.
+    const ALL: [Self; UNCERTAINTIES] = [
+        Self::Mass,
+        Self::YawInertia,
+        Self::FrontStiffness,
+        Self::RearStiffness,
+        Self::Bank,
+        Self::Gust,
+        Self::Actuator,
+    ];
 }
 
 /// What the detector is told of deviations.
@@ -135,6 +189,33 @@ impl Deviations {
     /// Nothing is corrected, uncertain or looked for.
     pub const NONE: Self =
         Self { euler_correction: false, uncertainty: Uncertainty::NONE, smallest_fault: [0.0; 3] };
+}
+
+/// What no sample changes of the responses, found once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Standing {
+    /// The uncertainties that act and raise the threshold: the others cost nothing.
+    acting: [bool; UNCERTAINTIES],
+    /// Whether there is one.
+    any: bool,
+    /// `M w` of the smallest fault.
+    m_fault: StateVector,
+}
+
+impl Standing {
+    pub(crate) fn new(
+        deviations: &Deviations,
+        observer: &Observer,
+        evaluation: &Evaluation,
+    ) -> Self {
+        let raises = evaluation.uncertainty_share > 0.0;
+        let acting = Kind::ALL.map(|kind| raises && deviations.uncertainty.acts(kind));
+        Self {
+            acting,
+            any: acting.contains(&true),
+            m_fault: product(&observer.gains.m, &deviations.smallest_fault),
+        }
+    }
 }
 
 /// Responses since the observer's start, e in m/s, m/s, rad/s.
@@ -166,37 +247,52 @@ impl Responses {
     /// sample.
     ///
     /// `||W_r C e|| <= sum_j ||W_r C e_j||` whatever the uncertainties' signs, and J is a norm.
-    pub fn levels(&mut self, evaluation: &Evaluation) -> [f64; 2] {
+    pub(crate) fn levels(&mut self, standing: &Standing, evaluation: &Evaluation) -> [f64; 2] {
         let seen = |e: &StateVector| evaluation.square(VehicleState::from(*e).measured());
-        let bound = self.uncertainties.iter().fold(0.0, |bound, e| bound + libm::sqrt(seen(e)));
-        let fault = seen(&self.fault);
-        [
-            self.uncertainty_rms.push(bound * bound, evaluation.window),
-            self.fault_rms.push(fault, evaluation.window),
-        ]
+        let fault = self.fault_rms.push(seen(&self.fault), evaluation.window);
+        if !standing.any {
+            return [0.0, fault];
+        }
+        let mut bound = 0.0;
+        for (e, acts) in self.uncertainties.iter().zip(standing.acting) {
+            if acts {
+                bound += libm::sqrt(seen(e));
+            }
+        }
+        [self.uncertainty_rms.push(bound * bound, evaluation.window), fault]
     }
 
     /// Goes on to the next sample; `n` is N(h) at this one.
-    pub fn advance(
+    pub(crate) fn advance(
         &mut self,
+        standing: &Standing,
         deviations: &Deviations,
         observer: &Observer,
         n: &[[f64; 3]; 3],
         place: &Place,
     ) {
+        self.fault = sum(product(n, &self.fault), standing.m_fault);
+        if !deviations.euler_correction && !standing.any {
+            return;
+        }
         let Place { x, u, .. } = *place;
-        let TsModel { vehicle, sampling_period_s, .. } = observer.model;
+        let vehicle = &observer.model.vehicle;
+        let sampling_period_s = observer.model.sampling_period_s;
         let scaled = |by: f64, w: StateVector| w.map(|w| by * w);
+        let forces = vehicle.axle_forces(x, u.delta_rad);
         if deviations.euler_correction {
             // x(t + T_s) = x + T_s x' + T_s^2/2 x'' + ...: Euler's step has all but the last.
             let half_square = 0.5 * sampling_period_s * sampling_period_s;
-            let w = scaled(half_square, vehicle.second_derivative(x, u));
+            let x_dot = vehicle.derivative_under(x, u.t_eng_n_m, forces);
+            let w = scaled(half_square, vehicle.second_derivative_along(x, x_dot));
             self.remainder = observer.respond(n, self.remainder, w);
         }
-        let slopes = deviations.uncertainty.slopes(&vehicle, place);
-        for (response, slope) in self.uncertainties.iter_mut().zip(slopes) {
-            *response = observer.respond(n, *response, scaled(sampling_period_s, slope));
+        let responses = self.uncertainties.iter_mut().zip(Kind::ALL).zip(standing.acting);
+        for ((response, kind), acts) in responses {
+            if acts {
+                let slope = deviations.uncertainty.slope(kind, vehicle, place, forces);
+                *response = observer.respond(n, *response, scaled(sampling_period_s, slope));
+            }
         }
-        self.fault = observer.respond(n, self.fault, deviations.smallest_fault);
     }
 }

@@ -39,42 +39,56 @@ impl Evaluation {
 
 /// RMS over the last samples: `J(k) = sqrt(1/window sum ||W_r r||^2)`.
 ///
-/// Samples before the start count zero and the divisor stays the window. Each J is summed anew from
-/// the oldest sample to the newest: a running sum would drift by rounding.
+/// Samples before the start count zero and the divisor stays the window. The sum is that of the squares
+/// of this round through the ring and that of those left of the round before, each added up from nothing:
+/// a running sum, which subtracts what leaves, would drift by rounding. A sample costs two additions
+/// whatever the window, and the last of a round one more for each place of the ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rms {
-    /// Squares of the last samples; the first `window` entries are a ring.
-    pub squares: [f64; MAX_WINDOW],
-    /// Place of the oldest square, where the next one goes; below the window.
-    pub oldest: usize,
+    /// The first `window` entries are a ring: before `next` the squares of this round, from there on the
+    /// sums of the last round's squares from that place to the end.
+    pub ring: [f64; MAX_WINDOW],
+    /// Place of the next square, below the window.
+    pub next: usize,
+    /// Sum of the squares of this round.
+    pub newer: f64,
 }
 
 impl Rms {
     /// An empty window.
-    pub const EMPTY: Self = Self { squares: [0.0; MAX_WINDOW], oldest: 0 };
+    pub const EMPTY: Self = Self { ring: [0.0; MAX_WINDOW], next: 0, newer: 0.0 };
 
     /// Whether pushing to a window of `window` samples can have led here.
     pub(crate) fn is_possible(&self, window: usize) -> bool {
-        self.oldest < window && self.squares.iter().take(window).all(|x| x.is_finite())
+        let sums = self.ring.iter().take(window).chain([&self.newer]);
+        self.next < window && sums.into_iter().all(|x| x.is_finite())
     }
 
     /// Takes a sample's `square` and returns the RMS over the last `window` samples.
     pub fn push(&mut self, square: f64, window: usize) -> f64 {
-        if let Some(place) = self.squares.get_mut(self.oldest) {
+        if let Some(place) = self.ring.get_mut(self.next) {
             *place = square;
         }
-        self.oldest = if self.oldest + 1 < window { self.oldest + 1 } else { 0 };
-
-        let ring = self.squares.get(..window).unwrap_or(&self.squares);
-        let (newer, older) = ring.split_at_checked(self.oldest).unwrap_or((&[], ring));
-        let mut sum = 0.0;
-        for square in older {
-            sum += square;
-        }
-        for square in newer {
-            sum += square;
-        }
+        self.next += 1;
+        self.newer += square;
+        let sum = if self.next < window {
+            self.newer + self.ring.get(self.next).copied().unwrap_or(0.0)
+        } else {
+            self.begin_round(window)
+        };
         libm::sqrt(sum / window as f64)
+    }
+
+    /// Turns the squares of the round that ends into sums, and returns that of all.
+    #[cold]
+    fn begin_round(&mut self, window: usize) -> f64 {
+        let mut older = 0.0;
+        for place in self.ring.iter_mut().take(window).rev() {
+            older += *place;
+            *place = older;
+        }
+        self.next = 0;
+        core::mem::replace(&mut self.newer, 0.0)
     }
 }
 

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::{blend, product, sum};
-use crate::ts_model::{Columns, RULES, TsModel};
+use crate::ts_model::{Constants, RULES, TsModel};
 use crate::{Input, Measurement, StateVector, VehicleState};
 
 /// Gains of the observer (10). Rows are in the units of z, m/s, m/s, rad/s; columns per unit of what they
@@ -29,13 +29,13 @@ pub struct Observer {
     pub(crate) model: TsModel,
     /// Gains.
     pub(crate) gains: Gains,
-    columns: Columns,
+    constants: Constants,
 }
 
 impl Observer {
     /// The observer of `model` with `gains`.
     pub fn new(model: TsModel, gains: Gains) -> Self {
-        Self { model, gains, columns: model.columns() }
+        Self { model, gains, constants: model.constants() }
     }
 
     /// `z = M [v_x, 0, r]`: the estimate starts at the measurement with no lateral speed, so the
@@ -52,6 +52,11 @@ impl Observer {
             v_y_m_per_s: z[1] - e_y[1],
             r_rad_per_s: z[2] - e_y[2],
         }
+    }
+
+    /// [`TsModel::membership`] of the observer's model.
+    pub(crate) fn membership(&self, y: Measurement) -> [f64; RULES] {
+        self.constants.membership(&self.model, y)
     }
 
     /// `N(h)` (10) for membership functions h, 3 x 3.
@@ -71,7 +76,7 @@ impl Observer {
         v_y_hat_m_per_s: f64,
     ) -> StateVector {
         let linear = sum(product(n, &z), product(&blend(h, &self.gains.l), &y.vector()));
-        let consequent = self.model.consequent(&self.columns, y, u, v_y_hat_m_per_s);
+        let consequent = self.constants.consequent(&self.model, y, u, v_y_hat_m_per_s);
         sum(linear, product(&self.gains.m, &consequent))
     }
 

@@ -18,11 +18,18 @@ pub const RULES: usize = 4;
 /// Output matrix, 2 x 3: `y = C x = [v_x, r]`.
 pub const C: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// B (3 x 2) and G (3 x 1) of (7), computed once.
+/// What of (7) and (8) no sample changes, computed once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Columns {
+pub(crate) struct Constants {
+    /// B, 3 x 2.
     b: [[f64; 2]; 3],
+    /// G, 3 x 1.
     g_phi: StateVector,
+    /// Numerators of g by v_x^2, r and r.
+    g: StateVector,
+    /// 1/v_x at the ends of S_x, s/m.
+    slow: f64,
+    fast: f64,
 }
 
 /// The discrete-time N-TS model of a vehicle on an operating range.
@@ -81,19 +88,7 @@ impl TsModel {
 
     /// `g(xi) = T_s g_v(xi)`, (5) corrected: what depends on the measured v_x and r alone.
     pub fn g(&self, y: Measurement) -> StateVector {
-        let [v_x, r] = y.vector();
-        let v = &self.vehicle;
-        let t = self.sampling_period_s;
-        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
-        let (c_f, c_r) =
-            (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
-        let yaw_damping = 2.0 * (c_f * l_f * l_f + c_r * l_r * l_r);
-        [
-            -t * v.longitudinal_drag_n_m_s2_per_m2 * v_x * v_x
-                / v.effective_longitudinal_inertia_kg_m,
-            t * (2.0 * self.stiffness_moment() * r / (v.mass_kg * v_x) - v_x * r),
-            -t * yaw_damping * r / (v.yaw_inertia_kg_m2 * v_x),
-        ]
+        self.constants().g(self, y)
     }
 
     /// `G = T_s G_v`, (5) corrected: the column of `phi(x) = v_y^2`.
@@ -105,14 +100,7 @@ impl TsModel {
     /// Membership functions `h_i` (8) at a measurement inside S_x: bilinear in `(1/v_x, r)`,
     /// in `[0, 1]`, summing to 1.
     pub fn membership(&self, y: Measurement) -> [f64; RULES] {
-        let [v_x, r] = y.vector();
-        let range = &self.range;
-        let (slow, fast) = (1.0 / range.v_x.min, 1.0 / range.v_x.max);
-        let at_v_x_min = (1.0 / v_x - fast) / (slow - fast);
-        let at_v_x_max = 1.0 - at_v_x_min;
-        let at_r_max = (r - range.r.min) / (range.r.max - range.r.min);
-        let at_r_min = 1.0 - at_r_max;
-        [at_v_x_min * at_r_min, at_v_x_min * at_r_max, at_v_x_max * at_r_min, at_v_x_max * at_r_max]
+        self.constants().membership(self, y)
     }
 
     /// One step (7) of the fault- and disturbance-free model; equals the Euler step of (3)
@@ -120,26 +108,28 @@ impl TsModel {
     pub fn step(&self, x: VehicleState, u: Input) -> VehicleState {
         let y = x.measured();
         let a = blend(&self.membership(y), &self.vertices());
-        let consequent = self.consequent(&self.columns(), y, u, x.v_y_m_per_s);
+        let consequent = self.constants().consequent(self, y, u, x.v_y_m_per_s);
         sum(product(&a, &x.vector()), consequent).into()
     }
 
-    /// The columns of (7) that no sample changes.
-    pub(crate) fn columns(&self) -> Columns {
-        Columns { b: self.b(), g_phi: self.g_phi() }
-    }
-
-    /// `B u + g(xi) + G phi`: the part of (7) that the premise does not blend.
-    pub(crate) fn consequent(
-        &self,
-        columns: &Columns,
-        y: Measurement,
-        u: Input,
-        v_y_m_per_s: f64,
-    ) -> StateVector {
-        let phi = v_y_m_per_s * v_y_m_per_s;
-        let g_phi = columns.g_phi.map(|g| g * phi);
-        sum(sum(self.g(y), product(&columns.b, &u.vector())), g_phi)
+    pub(crate) fn constants(&self) -> Constants {
+        let v = &self.vehicle;
+        let t = self.sampling_period_s;
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let (c_f, c_r) =
+            (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
+        let yaw_damping = 2.0 * (c_f * l_f * l_f + c_r * l_r * l_r);
+        Constants {
+            b: self.b(),
+            g_phi: self.g_phi(),
+            g: [
+                -t * v.longitudinal_drag_n_m_s2_per_m2,
+                2.0 * self.stiffness_moment(),
+                -t * yaw_damping,
+            ],
+            slow: 1.0 / self.range.v_x.min,
+            fast: 1.0 / self.range.v_x.max,
+        }
     }
 
     /// `C_r l_r - C_f l_f`, N m/rad.
@@ -147,5 +137,43 @@ impl TsModel {
         let v = &self.vehicle;
         v.rear_cornering_stiffness_n_per_rad * v.rear_axle_distance_m
             - v.front_cornering_stiffness_n_per_rad * v.front_axle_distance_m
+    }
+}
+
+impl Constants {
+    /// [`TsModel::g`] of `model`.
+    fn g(&self, model: &TsModel, y: Measurement) -> StateVector {
+        let [v_x, r] = y.vector();
+        let v = &model.vehicle;
+        let [by_square, by_side, by_yaw] = self.g;
+        [
+            by_square * v_x * v_x / v.effective_longitudinal_inertia_kg_m,
+            model.sampling_period_s * (by_side * r / (v.mass_kg * v_x) - v_x * r),
+            by_yaw * r / (v.yaw_inertia_kg_m2 * v_x),
+        ]
+    }
+
+    /// [`TsModel::membership`] of `model`.
+    pub(crate) fn membership(&self, model: &TsModel, y: Measurement) -> [f64; RULES] {
+        let [v_x, r] = y.vector();
+        let r_range = &model.range.r;
+        let at_v_x_min = (1.0 / v_x - self.fast) / (self.slow - self.fast);
+        let at_v_x_max = 1.0 - at_v_x_min;
+        let at_r_max = (r - r_range.min) / (r_range.max - r_range.min);
+        let at_r_min = 1.0 - at_r_max;
+        [at_v_x_min * at_r_min, at_v_x_min * at_r_max, at_v_x_max * at_r_min, at_v_x_max * at_r_max]
+    }
+
+    /// `B u + g(xi) + G phi`: the part of (7) that the premise does not blend.
+    pub(crate) fn consequent(
+        &self,
+        model: &TsModel,
+        y: Measurement,
+        u: Input,
+        v_y_m_per_s: f64,
+    ) -> StateVector {
+        let phi = v_y_m_per_s * v_y_m_per_s;
+        let g_phi = self.g_phi.map(|g| g * phi);
+        sum(sum(self.g(model, y), product(&self.b, &u.vector())), g_phi)
     }
 }

@@ -88,8 +88,17 @@ impl Vehicle {
 
     /// `d^2x/dt^2` of (3) in m/s^3, m/s^3, rad/s^3 with linear tyres under a held input, for `v_x > 0`.
     pub fn second_derivative(&self, x: VehicleState, u: Input) -> StateVector {
+        self.second_derivative_along(x, self.derivative(x, u))
+    }
+
+    /// The same where `dx/dt` is known.
+    pub(crate) fn second_derivative_along(
+        &self,
+        x: VehicleState,
+        x_dot: StateVector,
+    ) -> StateVector {
         let [v_x, v_y, r] = x.vector();
-        let [v_x_dot, v_y_dot, r_dot] = self.derivative(x, u);
+        let [v_x_dot, v_y_dot, r_dot] = x_dot;
         let (m, i_z) = (self.mass_kg, self.yaw_inertia_kg_m2);
         let (l_f, l_r) = (self.front_axle_distance_m, self.rear_axle_distance_m);
         // Slip angles (v_y + l_f r) / v_x and (v_y - l_r r) / v_x, by the quotient rule.

@@ -107,12 +107,12 @@ fn a_state_that_none_can_have_had_is_refused() {
     let before = detector;
     for spoil in [
         |s: &mut State| s.z[1] = NAN,
-        |s: &mut State| s.rms.oldest = 40,
-        |s: &mut State| s.rms.squares[39] = f64::INFINITY,
+        |s: &mut State| s.rms.next = 40,
+        |s: &mut State| s.rms.ring[39] = f64::INFINITY,
         |s: &mut State| s.start_up.samples = 41,
         |s: &mut State| s.start_up.sum = NAN,
         |s: &mut State| s.responses.uncertainties[6][2] = NAN,
-        |s: &mut State| s.responses.fault_rms.oldest = 41,
+        |s: &mut State| s.responses.fault_rms.newer = NAN,
         |s: &mut State| s.actuator.oldest = 1,
         |s: &mut State| s.slowest_actuator.command = Some(NAN),
         |s: &mut State| s.output.residual.r_rad_per_s = NAN,
@@ -229,7 +229,7 @@ fn an_estimate_that_runs_away_is_dropped() {
         }
         assert!(dropped);
         let state = detector.state();
-        assert!(state.z.iter().chain(&state.rms.squares).all(|x| x.is_finite()), "{:?}", state.z);
+        assert!(state.z.iter().chain(&state.rms.ring).all(|x| x.is_finite()), "{:?}", state.z);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use steerguard_detector::{Input, Measurement, TsModel, Vehicle, VehicleState, rk4};
+use steerguard_test_support::cases::ReferenceCase;
 
 const PAPER: TsModel = TsModel::PAPER;
 
@@ -11,17 +12,15 @@ fn membership(v_x_m_per_s: f64, r_rad_per_s: f64) -> [f64; 4] {
 
 #[test]
 fn vertices_have_the_reference_entries() {
+    let reference = ReferenceCase::read("model");
     let [slow, _, fast, _] = PAPER.vertices();
-    for (value, reference) in [
-        (slow[1][1], 0.68563686),
-        (fast[1][1], 0.94760614),
-        (slow[2][1], 0.05193370),
-        (fast[2][1], 0.00865562),
-    ] {
-        assert!((value - reference).abs() < 5e-9, "{value} instead of {reference}");
-    }
+    reference.check("a_22_at_5_m_per_s", slow[1][1]);
+    reference.check("a_22_at_30_m_per_s", fast[1][1]);
+    reference.check("a_32_at_5_m_per_s", slow[2][1]);
+    reference.check("a_32_at_30_m_per_s", fast[2][1]);
     let b = PAPER.b();
-    assert!((b[1][1] - 0.77235772).abs() < 5e-9 && (b[2][1] - 0.71171271).abs() < 5e-9);
+    reference.check("f_2_per_rad", b[1][1]);
+    reference.check("f_3_per_rad", b[2][1]);
 }
 
 #[test]

@@ -114,11 +114,13 @@ variables! {
         DesignHash, "design.hash", "SHA-256 of the design file", Role::CONSTANT, Kind::String;
         DesignSamplePeriod, "design.sample_period", "Sampling period T_s of the detector",
             Role::CONSTANT, Kind::real(&unit::SECOND).nominal(0.01);
-        DesignBeta, "design.beta", "Certified fault sensitivity beta of the design, 0 without certificate", Role::CONSTANT,
+        DesignCertified, "design.certified",
+            "True if beta, gamma and gap are proven; else they are 0", Role::CONSTANT, Kind::Boolean;
+        DesignBeta, "design.beta", "Certified fault sensitivity beta of the design", Role::CONSTANT,
             Kind::real(&unit::ONE).nominal(1.0);
-        DesignGamma, "design.gamma", "Certified disturbance gain gamma of the design, 0 without certificate",
+        DesignGamma, "design.gamma", "Certified disturbance gain gamma of the design",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(0.01);
-        DesignGap, "design.gap", "Certified fault-to-disturbance gap of the design, 0 without certificate",
+        DesignGap, "design.gap", "Certified fault-to-disturbance gap of the design",
             Role::CONSTANT, Kind::real(&unit::ONE).nominal(1.0);
         DesignThreshold, "design.threshold",
             "J_th after the start-up, where nothing is uncertain, for threshold_factor = 1",

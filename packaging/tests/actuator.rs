@@ -47,7 +47,7 @@ const END_S: f64 = 6.0;
 fn detector(actuator: &str) -> (Fmu, f64) {
     let design = designed(&Spec::from_toml(&format!("{actuator}\n{PAPER}")).unwrap()).unwrap();
     let bytes = detector_fmu(&baked(&design).unwrap(), &[], &Runtimes::detector()).unwrap();
-    (open(&bytes), design.evaluation.threshold)
+    (open(&bytes), design.detector.evaluation.threshold)
 }
 
 /// The largest J from the start of `course` on: command and fault by the time since then.

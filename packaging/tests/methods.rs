@@ -6,8 +6,6 @@
 mod designed;
 #[path = "common/fmu.rs"]
 mod fmu;
-#[path = "../../designer/tests/common/s1.rs"]
-mod s1;
 
 use steerguard::drive::cosimulation::{self, Sample};
 use steerguard::drive::scenario::{Scenario, Signal};
@@ -15,18 +13,13 @@ use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::{Design, DesignStatus, Spec};
+use steerguard_test_support::cases::ReferenceCase;
 
 use designed::designed;
 use fmu::open;
-use s1::S1;
 
-/// What S2 of METHOD.md 7 adds to S1, with few drives in the calibration.
-const NOISE: &str = r#"
-    [noise]
-    v_x.white_std_m_per_s = 0.02
-    r.white_std_rad_per_s = 0.002
-    [evaluation]
-    weights = [0.1, 1]
+/// Few drives in the calibration.
+const FEW_DRIVES: &str = r#"
     [evaluation.calibration]
     speeds = 2
     manoeuvres = ["straight"]
@@ -36,8 +29,9 @@ const NOISE: &str = r#"
 "#;
 
 fn designed_by(method: &str) -> Design {
-    let spec = Spec::from_toml(&format!("design.method = \"{method}\"\n{S1}{NOISE}")).unwrap();
-    designed(&spec).unwrap()
+    let [s1, s2] = ["s1", "s2"].map(|case| ReferenceCase::read(case).spec);
+    let text = format!("design.method = \"{method}\"\n{s1}{s2}{FEW_DRIVES}");
+    designed(&Spec::from_toml(&text).unwrap()).unwrap()
 }
 
 /// J without and with a fault of 1 degree, both without their transients: the largest, the smallest.
@@ -60,11 +54,10 @@ fn levels(design: &Design, speed: f64) -> (f64, f64) {
 #[test]
 fn the_fault_stands_out_of_noise_by_method_gap_and_drowns_by_method_paper() {
     let [gap, paper] = ["gap", "paper"].map(designed_by);
-    // METHOD.md 7: a grid search reaches 5.41 for S2, the paper's constants 1.98.
     assert_eq!(gap.synthesis.status, DesignStatus::Certified);
-    assert!(gap.performance.detection_ratio >= 7.0, "{}", gap.performance.detection_ratio);
-    let by_paper = paper.performance.detection_ratio;
-    assert!((by_paper / 1.98 - 1.0).abs() < 0.03, "{by_paper}");
+    let reference = ReferenceCase::read("s2");
+    reference.check("detection_ratio_by_search", gap.performance.detection_ratio);
+    reference.check("detection_ratio_by_papers_constants", paper.performance.detection_ratio);
     for speed in [10.0, 25.0] {
         let [(quiet, faulty), (papers_quiet, papers_faulty)] =
             [&gap, &paper].map(|design| levels(design, speed));

@@ -323,12 +323,13 @@ def compare(arguments):
         ):
             bench.make(source, design)
         design = read_design(made[0])
+        model = design["detector"]["model"]
         if any(design["spec"]["actuator"].values()):
             raise Incomparable(
                 "the design has an [actuator], and the filters, which are given the command, know "
                 "of none: compare the design without it"
             )
-        comparison = Comparison(bench, arguments, design["sampling_period_s"], Vehicle.of(design))
+        comparison = Comparison(bench, arguments, model["sampling_period_s"], Vehicle.of(model))
         settings = {k: v for k, v in vars(arguments).items() if isinstance(v, (int, float))}
         hashes = {"design": design["hash"], "paper": read_design(made[1])["hash"]}
         return {"settings": settings, **hashes, "conditions": comparison.all()}

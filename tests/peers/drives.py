@@ -60,7 +60,7 @@ class Bench:
             files = [Path(folder, f"{k}.parquet") for k in range(len(self.designs))]
             for design, file in zip(self.designs, files, strict=True):
                 self._run("campaign", design, *arguments, "--signals", file)
-            evaluation = read_design(self.designs[0])["evaluation"]
+            evaluation = read_design(self.designs[0])["detector"]["evaluation"]
             ours, papers = map(parquet.ParquetFile, files)
             for begin in range(0, ours.num_row_groups, TOGETHER):
                 groups = list(range(begin, min(begin + TOGETHER, ours.num_row_groups)))
@@ -77,11 +77,11 @@ def start_up(evaluation, armed):
     """The start-up term of J_th, T x D (METHOD.md 6); 0 while not armed."""
     samples = 1 + np.arange(len(armed))[:, None]
     since = samples - np.maximum.accumulate(np.where(armed, 0, samples))  # samples, this one too
-    window, of = evaluation["window"], evaluation["start_up"]
+    window = evaluation["window"]
     within = np.minimum(since, window)
-    decay = of["decay"] ** 2
+    decay = evaluation["start_up_decay"] ** 2
     squares = decay ** (since - within) * (1 - decay**within) / (1 - decay)
-    return of["amplitude"] * np.sqrt(squares / window)
+    return evaluation["start_up_amplitude"] * np.sqrt(squares / window)
 
 
 def joined(evaluation, ours, papers):

@@ -35,8 +35,8 @@ class Vehicle:
     c_y: float
 
     @classmethod
-    def of(cls, design):
-        vehicle = design["vehicle"]
+    def of(cls, model):
+        vehicle = model["vehicle"]
         return cls(
             mass=vehicle["mass_kg"],
             yaw_inertia=vehicle["yaw_inertia_kg_m2"],

@@ -109,7 +109,8 @@ class Reference:
     """The detector of a design file."""
 
     def __init__(self, design):
-        vehicle = design["vehicle"]
+        told = design["detector"]
+        vehicle = told["model"]["vehicle"]
         self.mass = vehicle["mass_kg"]
         self.yaw_inertia = vehicle["yaw_inertia_kg_m2"]
         self.longitudinal_inertia = vehicle["effective_longitudinal_inertia_kg_m"]
@@ -119,28 +120,26 @@ class Reference:
         self.c_r = vehicle["rear_cornering_stiffness_n_per_rad"]
         self.c_x = vehicle["longitudinal_drag_n_m_s2_per_m2"]
         self.c_y = vehicle["lateral_drag_n_s2_per_m2"]
-        self.period = design["sampling_period_s"]
+        self.period = told["model"]["sampling_period_s"]
 
-        premise = design["premise"]
-        names = [("v_x", "m_per_s"), ("v_y", "m_per_s"), ("r", "rad_per_s")]
-        self.bounds = np.array([premise[f"{name}_{unit}"] for name, unit in names])  # min, max
-        self.hysteresis = np.array([premise[f"{name}_hysteresis_{unit}"] for name, unit in names])
+        ranges = [told["model"]["range"][name] for name in ("v_x", "v_y", "r")]
+        self.bounds = np.array([[ends["min"], ends["max"]] for ends in ranges])
+        self.hysteresis = np.array(told["hysteresis"])
 
-        self.A, self.N, self.L = (
-            np.array([vertex[k] for vertex in design["vertices"]]) for k in ("A", "N", "L")
+        self.A = np.array([vertex["A"] for vertex in design["vertices"]])
+        self.N, self.L, self.M, self.E = (
+            np.array(told["gains"][k], dtype=float) for k in ("n", "l", "m", "e")
         )
-        self.M, self.E, self.B, self.G, self.C = (
-            np.array(design[k], dtype=float) for k in ("M", "E", "B", "G", "C")
-        )
+        self.B, self.G, self.C = (np.array(design[k], dtype=float) for k in ("B", "G", "C"))
         self.G = self.G.reshape(3)
         self.corners = self._corners()
 
-        evaluation = design["evaluation"]
+        evaluation = told["evaluation"]
         self.window = evaluation["window"]
         self.weights = np.array(evaluation["weights"], dtype=float)
         self.threshold = evaluation["threshold"]
-        self.start_up_amplitude = evaluation["start_up"]["amplitude"]
-        self.start_up_decay = evaluation["start_up"]["decay"]
+        self.start_up_amplitude = evaluation["start_up_amplitude"]
+        self.start_up_decay = evaluation["start_up_decay"]
         self.debounce = evaluation["debounce_samples"]
         self.uncertainty_share = evaluation["uncertainty_share"]
 

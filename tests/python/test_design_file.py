@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases import Case
 
 
 @pytest.fixture(scope="module")
@@ -11,6 +12,16 @@ def states(reference):
     x = rng.uniform(reference.bounds[:, 0], reference.bounds[:, 1], (1000, 3))
     u = rng.uniform([-2000.0, -0.1], [2000.0, 0.1], (1000, 2))
     return list(zip(x, u, strict=True))
+
+
+def test_model_has_the_reference_entries(reference):
+    case = Case("model")
+    for (fast, _), a in zip(reference.corners, reference.A, strict=True):
+        speed = "30_m_per_s" if fast else "5_m_per_s"
+        case.check(f"a_22_at_{speed}", a[1, 1])
+        case.check(f"a_32_at_{speed}", a[2, 1])
+    case.check("f_2_per_rad", reference.B[1, 1])
+    case.check("f_3_per_rad", reference.B[2, 1])
 
 
 def test_gains_are_those_of_table_2(reference, design):

@@ -56,10 +56,11 @@ def test_constants_are_those_of_the_design(detector, design):
         found = instance.get(
             ["design.hash", "design.sample_period", "design.window", "design.threshold"]
         )
+    model, evaluation = design["detector"]["model"], design["detector"]["evaluation"]
     assert found["design.hash"].decode() == design["hash"]
-    assert found["design.sample_period"] == design["sampling_period_s"]
-    assert found["design.window"] == design["evaluation"]["window"]
-    assert found["design.threshold"] == design["evaluation"]["threshold"]
+    assert found["design.sample_period"] == model["sampling_period_s"]
+    assert found["design.window"] == evaluation["window"]
+    assert found["design.threshold"] == evaluation["threshold"]
 
 
 @pytest.mark.parametrize("name", NAMES)

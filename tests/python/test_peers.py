@@ -25,7 +25,7 @@ TUNING = kalman.Tuning(*NOISE, acceleration=0.3, yaw_acceleration=0.3)
 
 @pytest.fixture(scope="module")
 def vehicle(design):
-    return kalman.Vehicle.of(design)
+    return kalman.Vehicle.of(design["detector"]["model"])
 
 
 @pytest.fixture(scope="module")
@@ -128,8 +128,8 @@ def test_windows_and_sums_begin_anew_with_the_filter():
 
 def test_the_start_up_term_is_the_detectors(drives, design):
     """Of a calibrated design it is all that J_th has beside the level."""
-    evaluation = design["evaluation"]
-    assert evaluation["kind"] == "calibrated"
+    evaluation = design["detector"]["evaluation"]
+    assert design["threshold"]["kind"] == "calibrated"
     j = drives.j_paper  # both designs of the bench are this one
     shown = drives.armed & (j > 0)
     j_th = j[shown] / drives.j_ratio[shown]

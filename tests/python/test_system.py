@@ -97,7 +97,8 @@ def test_parameters_are_the_vehicle_and_actuator_of_the_design(structure, parame
     with detector.instance() as instance:
         found = instance.get([f"design.actuator.{n}" for n in actuator])
     assert [values[f"plant.actuator.{n}"] for n in actuator] == list(found.values())
-    slowest, fastest = design["premise"]["v_x_m_per_s"]
+    speeds = design["detector"]["model"]["range"]["v_x"]
+    slowest, fastest = speeds["min"], speeds["max"]
     assert slowest < values["plant.initial.v_x"] < fastest
     assert set(values) - vehicle == {
         "u.T_eng", "plant.initial.v_x", "plant.initial.v_y", "plant.initial.r",

@@ -7,27 +7,32 @@
 //!   bytes.
 //! - `hash` is the SHA-256 of the content, [`steerguard_verify::content_hash`]. Layout may change
 //!   freely, numbers may not.
+//! - `detector` is all that is baked, so one hash is one detector; zero has no sign in what is read.
+//! - docs/formats.md describes the keys for those who read the file without this crate. A key of
+//!   `detector` more or less is another [`FORMAT`].
 //! - Keys without a value yet are null.
 
 use std::io;
 
 use serde::{Deserialize, Serialize};
 use serde_json::ser::{Formatter, Serializer};
-use steerguard_detector::{Configuration, ConfigurationError, Evaluation, Gains, RULES, Vehicle};
+use steerguard_detector::{Configuration, ConfigurationError, RULES};
+use steerguard_verify::Refusal;
 
 use crate::analysis::certificate::{Check, Margin};
 use crate::analysis::certified::{APosteriori, CertifiedFigures};
 use crate::analysis::frequency::{Frozen, PointFigures};
 use crate::document::Mistakes;
 use crate::lmi::matrix::Rows3;
-use crate::problem::model::deviations;
 use crate::search::SearchRecord;
-use crate::spec::{Fault, MethodName, OperatingRangeTable, Spec, ThresholdKind, VehicleTable};
+use crate::spec::{AIR_KG_PER_M3, Fault, GRAVITY, MethodName, Spec, ThresholdKind};
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
 
 /// Value of the key `format`.
-pub const FORMAT: &str = "steerguard-design/1";
+pub const FORMAT: &str = "steerguard-design/2";
+/// What the formats of all versions begin with.
+const ANY_FORMAT: &str = "steerguard-design/";
 
 /// A design: gains, threshold, what they are worth and why.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,15 +40,12 @@ pub const FORMAT: &str = "steerguard-design/1";
 pub struct Design {
     /// [`FORMAT`].
     pub format: String,
+    /// Constants that numbers of `detector` are made with.
+    pub constants: Constants,
     /// The specification, all defaults filled in.
     pub spec: Spec,
-    /// Vehicle data.
-    #[serde(with = "VehicleTable")]
-    pub vehicle: Vehicle,
-    /// T_s.
-    pub sampling_period_s: f64,
-    /// Design range S_x, whose v_x and r bounds give the rules, and arming hysteresis.
-    pub premise: OperatingRangeTable,
+    /// What the detector is told: every number that is baked.
+    pub detector: Configuration,
     /// A_i and gains of the rules.
     pub vertices: [Rule; RULES],
     /// B, 3 x 2.
@@ -64,14 +66,8 @@ pub struct Design {
     /// F, 3 x n_f: a column of each fault, per rad or N m.
     #[serde(rename = "F")]
     pub f: Vec<Vec<f64>>,
-    /// E, 3 x 2.
-    #[serde(rename = "E")]
-    pub e: [[f64; 2]; 3],
-    /// M, 3 x 3.
-    #[serde(rename = "M")]
-    pub m: Rows3,
-    /// Residual evaluation.
-    pub evaluation: EvaluationDesign,
+    /// What the threshold rests on.
+    pub threshold: ThresholdRecord,
     /// How the gains were found.
     pub synthesis: SynthesisRecord,
     /// What the gains are worth.
@@ -79,8 +75,22 @@ pub struct Design {
     /// The matrices that prove it.
     pub certificate: Certificate,
     /// See the module's conventions.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub hash: String,
+}
+
+/// Constants of nature.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Constants {
+    /// Standard acceleration of gravity.
+    pub gravity_m_per_s2: f64,
+    /// Density of air.
+    pub air_density_kg_per_m3: f64,
+}
+
+impl Constants {
+    /// Those that designs are made with.
+    pub const USED: Self = Self { gravity_m_per_s2: GRAVITY, air_density_kg_per_m3: AIR_KG_PER_M3 };
 }
 
 /// A rule: its vertex and gains.
@@ -101,27 +111,16 @@ pub struct Rule {
     pub h: [[f64; 2]; 3],
 }
 
-/// Residual evaluation as designed.
+/// What the threshold and its start-up term rest on; the numbers themselves are in `detector`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct EvaluationDesign {
-    /// Window of the RMS, samples.
-    pub window: usize,
-    /// Diagonal of W_r.
-    pub weights: [f64; 2],
-    /// Threshold on J once the start-up has passed, where nothing is uncertain.
-    pub threshold: f64,
-    /// Share of the bound on what `spec.uncertainty` does to J that is added to it; 0 but for kind
-    /// "adaptive".
-    pub uncertainty_share: f64,
+pub struct ThresholdRecord {
     /// How the threshold was found.
     pub kind: ThresholdKind,
     /// Margin over the levels below.
     pub margin: f64,
-    /// The start-up term: `||W_r r_j|| <= amplitude decay^j` after a start.
+    /// The start-up term.
     pub start_up: StartUpRecord,
-    /// Consecutive samples above the threshold that raise the alarm.
-    pub debounce_samples: u32,
     /// The largest fault-free J, less the start-up term, of the specified vehicle; its drives are
     /// described in `spec.evaluation.calibration`. Of kinds "calibrated" and "adaptive".
     pub calibration: Option<Level>,
@@ -132,14 +131,10 @@ pub struct EvaluationDesign {
     pub guaranteed: Option<Guaranteed>,
 }
 
-/// The bound on the start-up residual.
+/// What proves the bound on the start-up residual.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartUpRecord {
-    /// Factor of `decay^j`.
-    pub amplitude: f64,
-    /// Decay a sample.
-    pub decay: f64,
     /// P_i of the bound, see [`crate::analysis::start_up`].
     #[serde(rename = "P")]
     pub p: [Rows3; RULES],
@@ -173,6 +168,8 @@ pub struct SynthesisRecord {
     pub solver: String,
     /// What the design may be called.
     pub status: DesignStatus,
+    /// What the proof misses where that is not "certified"; null where it is.
+    pub unproven: Option<String>,
     /// What the solver said of it.
     pub solver_status: String,
     /// The solver's iterations.
@@ -306,7 +303,7 @@ pub struct Certificate {
     /// The matrices behind `performance.certified`, with P_s for its decay; null where there are
     /// none.
     pub a_posteriori: Option<APosteriori>,
-    /// The numbers behind `evaluation.guaranteed`, for each of its inputs; null for other kinds.
+    /// The numbers behind `threshold.guaranteed`, for each of its inputs; null for other kinds.
     pub peaks: Option<Vec<PeakCertificate>>,
 }
 
@@ -327,26 +324,20 @@ pub struct AttenuationRecord {
 /// Why a design file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignFileError {
-    /// Not JSON, or not of this format.
-    #[error("not a design file: {0}")]
-    Json(#[from] serde_json::Error),
-    /// Another version.
-    #[error("design format \"{found}\": this version reads \"{FORMAT}\"")]
-    Format {
-        /// What the file says.
-        found: String,
+    /// Not a design of this version, or changed after it was written.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// A key is missing, unknown or of another form.
+    #[error("not a design file of format \"{FORMAT}\": {0}")]
+    Key(#[from] serde_path_to_error::Error<serde_json::Error>),
+    /// A specification that this version does not read.
+    #[error("the specification inside the design of format \"{format}\": {source}")]
+    OldSpec {
+        /// The design's format.
+        format: String,
+        /// What stands in the way.
+        source: serde_path_to_error::Error<serde_json::Error>,
     },
-    /// Changed after it was written.
-    #[error("the design was changed: its hash is {stored}, its content has {computed}")]
-    Hash {
-        /// What the file says.
-        stored: String,
-        /// What its content gives.
-        computed: String,
-    },
-    /// Two places of the file that must agree do not.
-    #[error("`{0}` differs from the specification inside the file")]
-    Inconsistent(&'static str),
     /// Its specification is not possible.
     #[error("in `spec`: {0}")]
     Spec(#[from] Mistakes),
@@ -367,36 +358,32 @@ impl Design {
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Reads a design and verifies format, hash and consistency.
+    /// Reads a design; refuses another format and another hash than its content's. That the content
+    /// agrees with itself is for [`steerguard_verify::verify`] to say.
     ///
     /// # Errors
     /// [`DesignFileError`], which says what is wrong.
     pub fn from_json(text: &str) -> Result<Self, DesignFileError> {
-        #[derive(Deserialize)]
-        struct Head {
-            format: String,
-        }
-        let Head { format: found } = serde_json::from_str(text)?;
-        if found != FORMAT {
-            return Err(DesignFileError::Format { found });
-        }
-        let design: Self = serde_json::from_str(text)?;
-        let computed = design.computed_hash()?;
-        if design.hash != computed {
-            return Err(DesignFileError::Hash { stored: design.hash, computed });
-        }
+        let (content, _) = steerguard_verify::content(text)?;
+        let design: Self = serde_path_to_error::deserialize(content)?;
         design.spec.check()?;
-        for (key, agrees) in [
-            ("vehicle", design.vehicle == design.spec.vehicle),
-            ("sampling_period_s", design.sampling_period_s == design.spec.sampling.period_s),
-            ("premise", design.premise == design.spec.operating_range),
-        ] {
-            if !agrees {
-                return Err(DesignFileError::Inconsistent(key));
-            }
-        }
-        design.configuration().check()?;
+        design.detector.check()?;
         Ok(design)
+    }
+
+    /// The specification inside a design of this or an earlier version, whose hash is not looked at.
+    ///
+    /// # Errors
+    /// [`DesignFileError`] for what is no design, or holds what is no specification any more.
+    pub fn spec_from_json(text: &str) -> Result<Spec, DesignFileError> {
+        let (mut content, format) = steerguard_verify::parse(text)?;
+        if !format.starts_with(ANY_FORMAT) {
+            return Err(Refusal::Format { found: format }.into());
+        }
+        let spec: Spec = serde_path_to_error::deserialize(content["spec"].take())
+            .map_err(|source| DesignFileError::OldSpec { format, source })?;
+        spec.check()?;
+        Ok(spec)
     }
 
     /// The hash of the content.
@@ -404,37 +391,12 @@ impl Design {
     /// # Errors
     /// As [`Self::to_json`].
     pub fn computed_hash(&self) -> Result<String, serde_json::Error> {
-        Ok(steerguard_verify::content_hash(&serde_json::to_value(self)?))
+        steerguard_verify::content_hash(&serde_json::to_value(self)?)
     }
 
     /// What the detector is told.
     pub fn configuration(&self) -> Configuration {
-        let e = &self.evaluation;
-        Configuration {
-            model: steerguard_detector::TsModel {
-                vehicle: self.vehicle,
-                sampling_period_s: self.sampling_period_s,
-                range: self.premise.range(),
-            },
-            hysteresis: self.premise.hysteresis(),
-            gains: Gains {
-                n: self.vertices.map(|rule| rule.n),
-                l: self.vertices.map(|rule| rule.l),
-                m: self.m,
-                e: self.e,
-            },
-            evaluation: Evaluation {
-                window: e.window,
-                weights: e.weights,
-                threshold: e.threshold,
-                uncertainty_share: e.uncertainty_share,
-                start_up_amplitude: e.start_up.amplitude,
-                start_up_decay: e.start_up.decay,
-                debounce_samples: e.debounce_samples,
-            },
-            deviations: deviations(&self.spec),
-            actuator: self.spec.actuator.actuator(),
-        }
+        self.detector
     }
 }
 

@@ -11,8 +11,9 @@ use crate::analysis::operating_point::{OperatingPoint, fixed, spectral_radius};
 use crate::analysis::start_up;
 use crate::analysis::worth::Worth;
 use crate::design::file::{
-    AttenuationRecord, Certificate, Design, DesignStatus, EvaluationDesign, FORMAT, FaultFigures,
-    FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
+    AttenuationRecord, Certificate, Constants, Design, DesignFileError, DesignStatus, FORMAT,
+    FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
+    ThresholdRecord,
 };
 use crate::document::Mistakes;
 use crate::lmi::matrix::{Matrix, nested, rows};
@@ -66,6 +67,9 @@ pub enum DesignError {
     /// A number that JSON cannot hold.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
+    /// A design that does not read back.
+    #[error(transparent)]
+    File(#[from] DesignFileError),
 }
 
 /// Designs a detector for `spec`; `progress` hears of every step. The same specification gives the
@@ -90,13 +94,13 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     let of_theorem = found.check.map(|_| &synthesis.lyapunov);
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
-    let (evaluation, peaks) = evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
+    let Evaluated { detector, threshold, peaks } =
+        evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
 
-    let mut design = Design {
+    let design = Design {
         format: FORMAT.into(),
-        vehicle: spec.vehicle,
-        sampling_period_s: spec.sampling.period_s,
-        premise: spec.operating_range,
+        constants: Constants::USED,
+        detector,
         vertices: std::array::from_fn(|i| Rule {
             a: model.vertices()[i],
             n: gains.gains.n[i],
@@ -109,9 +113,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
         d: nested(&model::d(spec)),
         d_y: Some(inputs::d_y(spec)).filter(|d_y| d_y.ncols() > 0).map(|d_y| nested(&d_y)),
         f: nested(&model::f(spec)),
-        e: gains.gains.e,
-        m: gains.gains.m,
-        evaluation,
+        threshold,
         synthesis: SynthesisRecord {
             method: spec.design.method,
             alpha_d: theorem.alpha_d,
@@ -123,6 +125,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             gap: synthesis.beta * inputs.smallest_fault / (synthesis.gamma * inputs.bound),
             solver: SOLVER.into(),
             status: unproven(synthesis.status),
+            unproven: None,
             solver_status: format!("{:?}", synthesis.status),
             iterations: synthesis.iterations,
             largest_beta: found.largest_beta.clone(),
@@ -165,9 +168,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
         spec: spec.clone(),
         hash: String::new(),
     };
-    design.configuration().check()?;
-    sign(&mut design)?;
-    Ok(design)
+    design.detector.check()?;
+    sign(design)
 }
 
 /// Gains, and how they were found.
@@ -276,16 +278,21 @@ fn other_faults(
     Ok(figures.collect())
 }
 
-/// Gives the design its status and hash. Only the proof of the very file grants "certified".
-fn sign(design: &mut Design) -> Result<(), DesignError> {
+/// Gives the design its status and hash. Only the proof of the very file grants "certified"; without
+/// it, no figure is claimed.
+fn sign(mut design: Design) -> Result<Design, DesignError> {
     let unproven = design.synthesis.status;
     design.synthesis.status = DesignStatus::Certified;
     design.hash = design.computed_hash()?;
-    if steerguard_verify::verify(&design.to_json()?).is_err() {
+    if let Err(refusal) = steerguard_verify::verify(&design.to_json()?) {
         design.synthesis.status = unproven;
+        design.synthesis.unproven = Some(refusal.to_string());
+        design.performance.certified = None;
+        design.certificate.a_posteriori = None;
         design.hash = design.computed_hash()?;
     }
-    Ok(())
+    // What is handed on is what the file holds, bit for bit.
+    Ok(Design::from_json(&design.to_json()?)?)
 }
 
 /// The paper's problem: the largest beta subject to (31)-(33) with the given gamma.
@@ -308,6 +315,14 @@ fn smallest_gamma(
         .map_err(|reason| DesignError::Solver { beta, reason })
 }
 
+/// What the detector is told, and what its threshold rests on.
+struct Evaluated {
+    detector: Configuration,
+    threshold: ThresholdRecord,
+    /// What proves a guaranteed threshold.
+    peaks: Option<Vec<PeakCertificate>>,
+}
+
 /// Start-up bound and threshold.
 fn evaluate(
     spec: &Spec,
@@ -315,7 +330,7 @@ fn evaluate(
     gains: &ObserverGains,
     smallest_fault_residual: f64,
     progress: &mut dyn FnMut(Step),
-) -> Result<(EvaluationDesign, Option<Vec<PeakCertificate>>), DesignError> {
+) -> Result<Evaluated, DesignError> {
     progress(Step::StartUp);
     let e = &spec.evaluation;
     let without_threshold = Evaluation {
@@ -350,25 +365,20 @@ fn evaluate(
     };
     let Threshold { threshold, uncertainty_share, calibration, uncertain, guaranteed, peaks } =
         threshold::threshold(spec, theorem, gains, &configuration, progress)?;
-    let record = EvaluationDesign {
-        window: e.window_samples,
-        weights: e.weights,
-        threshold,
-        uncertainty_share,
+    let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
+    let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
-        start_up: StartUpRecord {
-            amplitude: bound.amplitude,
-            decay: bound.decay,
-            p: bound.p.each_ref().map(rows),
-            margin: bound.margin,
-        },
-        debounce_samples: e.debounce_samples,
+        start_up: StartUpRecord { p: bound.p.each_ref().map(rows), margin: bound.margin },
         calibration,
         uncertain,
         guaranteed,
     };
-    Ok((record, peaks))
+    Ok(Evaluated {
+        detector: Configuration { evaluation, ..configuration },
+        threshold: causes,
+        peaks,
+    })
 }
 
 /// What a design may be called without a proof.

@@ -12,9 +12,10 @@
 //! of a trial by 0.2 % and was left out.
 //!
 //! # Conventions
-//! - What is maximised is [`detection_ratio`](crate::analysis::frequency::detection_ratio) of the frozen error dynamics, beta, gamma and noise
-//!   each at its worst operating point: that of a threshold common to all. The search takes a
-//!   coarser grid of points and frequencies than the figures that are reported.
+//! - What is maximised is [`detection_ratio`](crate::analysis::frequency::detection_ratio) of the
+//!   frozen error dynamics, beta, gamma and noise each at its worst operating point: that of a
+//!   threshold common to all. The search takes a coarser grid of points and frequencies than the
+//!   figures that are reported.
 //! - Everything is deterministic, whatever the number of processors.
 
 mod multipliers;

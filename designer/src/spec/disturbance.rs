@@ -7,7 +7,7 @@ use super::band::{check_band, low_band};
 use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Standard acceleration of gravity, m/s^2.
-pub(super) const GRAVITY: f64 = 9.80665;
+pub(crate) const GRAVITY: f64 = 9.80665;
 
 /// `[[disturbance]]`: an unknown input, by its kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -30,13 +30,14 @@ pub(crate) use band::check_band;
 pub use calibration::{Calibration, Manoeuvre};
 pub use design::{Method, MethodName, MultiplierV, VName};
 pub use disturbance::Disturbance;
+pub(crate) use disturbance::GRAVITY;
 pub use evaluation::{Evaluation, ThresholdKind};
 pub use fault::Fault;
 pub use noise::{Noise, SpeedNoise, YawRateNoise};
 pub use operating_range::OperatingRangeTable;
 pub use sampling::Sampling;
+pub(crate) use uncertainty::AIR_KG_PER_M3;
 pub use uncertainty::UncertaintyTable;
-pub(crate) use vehicle::VehicleTable;
 
 /// A specification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -11,7 +11,7 @@ use super::disturbance::GRAVITY;
 use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Density of air, kg/m^3.
-const AIR_KG_PER_M3: f64 = 1.2;
+pub(crate) const AIR_KG_PER_M3: f64 = 1.2;
 
 /// `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use crate::document::{Allowed, Mistakes};
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Vehicle", default = "paper_vehicle", deny_unknown_fields)]
 #[allow(missing_docs)]
-pub(crate) struct VehicleTable {
+pub(super) struct VehicleTable {
     mass_kg: f64,
     yaw_inertia_kg_m2: f64,
     effective_longitudinal_inertia_kg_m: f64,

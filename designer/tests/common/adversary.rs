@@ -57,10 +57,11 @@ pub struct Course {
 impl Course {
     pub fn random(design: &Design, generator: &mut ChaCha8Rng) -> Self {
         let mut uniform = |from: f64, to: f64| Uniform::new(from, to).unwrap().sample(generator);
-        let range = design.premise.range().shrunk(design.premise.hysteresis());
+        let detector = &design.detector;
+        let range = detector.model.range.shrunk(detector.hysteresis);
         // Evenly in 1/v_x, as the rules are.
         let v_x = 1.0 / uniform(1.0 / range.v_x.max, 1.0 / range.v_x.min);
-        let full = steady_angle(&design.vehicle, v_x, uniform(0.0, 4.0));
+        let full = steady_angle(&design.detector.model.vehicle, v_x, uniform(0.0, 4.0));
         let sign = if uniform(-1.0, 1.0) < 0.0 { -1.0 } else { 1.0 };
         let frequency = uniform(0.5, 8.0);
         let steering: Box<dyn Fn(f64) -> f64 + Sync> = match uniform(0.0, 3.0) {
@@ -72,9 +73,10 @@ impl Course {
     }
 
     pub fn input(&self, design: &Design, x: VehicleState, sample: usize) -> Input {
-        let t_eng_n_m = design.vehicle.cruise_torque(self.v_x)
-            + design.vehicle.effective_longitudinal_inertia_kg_m * (self.v_x - x.v_x_m_per_s);
-        let delta_rad = (self.steering)(sample as f64 * design.sampling_period_s);
+        let vehicle = &design.detector.model.vehicle;
+        let t_eng_n_m = vehicle.cruise_torque(self.v_x)
+            + vehicle.effective_longitudinal_inertia_kg_m * (self.v_x - x.v_x_m_per_s);
+        let delta_rad = (self.steering)(sample as f64 * design.detector.model.sampling_period_s);
         Input { t_eng_n_m, delta_rad }
     }
 }

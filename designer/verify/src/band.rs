@@ -1,7 +1,7 @@
 //! Frequency ranges, and their ends enclosed in rational numbers.
 
-use crate::Refusal;
 use crate::exact::{Rational, approximate, exact, whole};
+use crate::refusal::Refusal;
 
 /// How far the upper end may be from the Nyquist frequency to be it, relative.
 const ROUNDING: f64 = 1e-12;

@@ -1,9 +1,9 @@
 //! What acts on the error: the faults, and disturbances with bounded sensor noise by their bands.
 
-use crate::Refusal;
 use crate::band::{Band, pi};
 use crate::exact::{Matrix, Rational, exact, whole};
-use crate::file::{Design, Disturbance, Fault};
+use crate::read::{Design, Disturbance, Fault};
+use crate::refusal::Refusal;
 
 /// Names of the sensors in y.
 const SENSORS: [&str; 2] = ["v_x", "r"];
@@ -61,7 +61,7 @@ impl Channels {
     /// From the specification inside the file.
     pub fn new(design: &Design) -> Result<Self, Refusal> {
         let (f, d) = (design.f()?, design.d()?);
-        let period = design.sampling_period_s;
+        let period = design.detector.model.sampling_period_s;
         let (smallest, unit, band_hz) = match design.spec.fault[0] {
             Fault::Steering { smallest_deg, band_hz } => {
                 let [pi, _] = pi();
@@ -173,6 +173,13 @@ pub fn positive(key: &str, value: f64) -> Result<Rational, Refusal> {
 }
 
 impl Fault {
+    /// Frequency range.
+    pub fn band_hz(&self) -> [f64; 2] {
+        match *self {
+            Self::Steering { band_hz, .. } | Self::Torque { band_hz, .. } => band_hz,
+        }
+    }
+
     /// Column of B.
     pub fn column(&self) -> usize {
         match self {
@@ -183,7 +190,8 @@ impl Fault {
 }
 
 impl Disturbance {
-    fn name(&self) -> &str {
+    /// Name in reports.
+    pub fn name(&self) -> &str {
         match self {
             Self::SideWind { name, .. }
             | Self::Bank { name, .. }
@@ -192,7 +200,8 @@ impl Disturbance {
         }
     }
 
-    fn bound(&self) -> f64 {
+    /// Largest magnitude, in its unit.
+    pub fn bound(&self) -> f64 {
         match *self {
             Self::SideWind { bound_m_per_s2: bound, .. }
             | Self::Bank { bound_deg: bound, .. }
@@ -211,7 +220,7 @@ impl Disturbance {
     }
 }
 
-impl crate::file::Noise {
+impl crate::read::Noise {
     /// Place in y, bound and band of each bounded noise.
     fn bounded(&self) -> impl Iterator<Item = (usize, f64, Option<[f64; 2]>)> {
         let signals = [

@@ -1,5 +1,5 @@
-//! Proof check of a design file: every inequality behind its certified figures, for the gains as
-//! stored, in exact rational arithmetic.
+//! Check of a design file: every inequality behind its certified figures, for the gains as stored, in
+//! exact rational arithmetic, and every other figure that follows from the file.
 //!
 //! No solver, no floating-point linear algebra, no code shared with what wrote the file: [`verify`]
 //! reads `design.json` and either proves it or says what is broken.
@@ -13,6 +13,12 @@
 //! all disturbances for all frequencies; the bound on the residual after a start; and, where the
 //! threshold is guaranteed, the bound on J (METHOD.md 6). How the gains were found plays no part.
 //!
+//! # What is recomputed
+//! The model and the section `detector`, which is all that is baked, from specification and constants;
+//! threshold and share from the levels that they rest on; gaps, detection ratios and the like from
+//! gains, noise and bounds. [`Verdict::unchecked`] names what neither holds for: what was simulated, or
+//! searched on a grid.
+//!
 //! # Conventions
 //! - i, j: rules of this sample; k: rule of the next; rho: one of its two extremes; the weighted residual is
 //!   `W_r r`, `W_r = diag(evaluation.weights)`.
@@ -20,160 +26,48 @@
 
 #![forbid(unsafe_code)]
 
+mod agreement;
 mod band;
 mod channel;
-mod error_dynamics;
+mod decay;
+mod detector;
+mod dynamics;
 mod exact;
-mod file;
+mod family;
+mod figures;
+mod gains;
+mod identity;
 mod model;
-mod peak;
+mod peaks;
 mod premise;
 mod proof;
+mod read;
+mod refusal;
+mod tally;
 mod verdict;
 
+pub use dynamics::Residues;
 pub use exact::NotPositive;
-pub use file::{FORMAT, content_hash};
-pub use proof::{Combination, Family};
-pub use verdict::{Figures, Margin, Residues, Verdict};
+pub use family::{Combination, Family};
+pub use identity::{FORMAT, content_hash};
+pub use proof::Figures;
+pub use read::{Status, content, parse};
+pub use refusal::Refusal;
+pub use tally::Margin;
+pub use verdict::Verdict;
 
-/// Proves the design file with the given text.
+/// Checks the design file with the given text: proves what is claimed as certified and recomputes what
+/// follows from the rest. A design that says of itself that it is not certified is accepted as such,
+/// with [`Verdict::figures`] none.
 ///
 /// # Errors
 /// [`Refusal`]: the first thing found that is not as it must be.
 pub fn verify(design: &str) -> Result<Verdict, Refusal> {
-    let (design, hash) = file::Design::read(design)?;
+    let (design, hash) = read::Design::read(design)?;
     model::check(&design)?;
-    let residues = error_dynamics::residues(&design)?;
-    let (figures, margins) = proof::prove(&design)?;
-    Verdict::new(&design, hash, figures, residues, margins)
-}
-
-/// Why a design file is not proven.
-#[derive(Debug, thiserror::Error)]
-pub enum Refusal {
-    /// Not JSON, or a key is missing or of another form.
-    #[error("not a design file: {0}")]
-    Unreadable(#[from] serde_json::Error),
-    /// Another version.
-    #[error("design format \"{found}\": this version reads \"{FORMAT}\"")]
-    Format {
-        /// What the file says.
-        found: String,
-    },
-    /// Changed after it was written.
-    #[error("the design was changed: its hash is {stored}, its content has {computed}")]
-    Hash {
-        /// What the file says.
-        stored: String,
-        /// What its content gives.
-        computed: String,
-    },
-    /// No gains were certified when the design was made.
-    #[error("the file holds no certificate: `{key}` is null")]
-    NoCertificate {
-        /// The empty key.
-        key: &'static str,
-    },
-    /// Two places that must agree do not.
-    #[error("`{key}` contradicts the rest of the file")]
-    Contradiction {
-        /// One of them.
-        key: String,
-    },
-    /// A matrix of another size.
-    #[error("`{key}` has the wrong size: {expected} expected")]
-    Shape {
-        /// The matrix.
-        key: &'static str,
-        /// What it must have.
-        expected: &'static str,
-    },
-    /// An empty or impossible range.
-    #[error("`{key}` = {value:?} is no range of the model")]
-    Range {
-        /// The range.
-        key: String,
-        /// What the file says.
-        value: [f64; 2],
-    },
-    /// A number that must be positive.
-    #[error("`{key}` = {value} must be positive")]
-    NotPositive {
-        /// The number's key.
-        key: String,
-        /// What the file says.
-        value: f64,
-    },
-    /// A band that is neither low, nor high, nor full.
-    #[error(
-        "band_hz = {band_hz:?} is no band from 0 or up to the Nyquist frequency: middle bands have \
-         no proof"
-    )]
-    Band {
-        /// What the file says.
-        band_hz: [f64; 2],
-    },
-    /// A matrix of the model that is not the vehicle's.
-    #[error(
-        "`{key}`, column {column} from 0, is not what the vehicle data give: it differs by \
-         {difference:.1e}"
-    )]
-    Model {
-        /// The matrix.
-        key: String,
-        /// Its column.
-        column: usize,
-        /// Largest difference of an element.
-        difference: f64,
-    },
-    /// Gains that are no observer of the model.
-    #[error("the gains leave a residue of {residue:.1e} in {equation}: more than rounding")]
-    Residue {
-        /// The equation.
-        equation: &'static str,
-        /// Largest element.
-        residue: f64,
-    },
-    /// A matrix that must be symmetric.
-    #[error("{family}: the matrix {matrix} is not symmetric")]
-    NotSymmetric {
-        /// Where it is used.
-        family: Family,
-        /// Its name.
-        matrix: &'static str,
-    },
-    /// The stored `2 cos(theta)` is on the wrong side of the true one.
-    #[error("{family}: two_cos_theta = {stored} is not on the safe side of 2 cos(theta)")]
-    Cosine {
-        /// Where it is used.
-        family: Family,
-        /// What the file says.
-        stored: f64,
-    },
-    /// An inequality that does not hold.
-    #[error("{family}: the inequality for {combination} does not hold: {reason}")]
-    Broken {
-        /// Its family.
-        family: Family,
-        /// Its place in the family.
-        combination: Combination,
-        /// What its elimination met.
-        reason: NotPositive,
-    },
-    /// A guaranteed threshold without a bound on the noise.
-    #[error("noise of {sensor} is white without a bound: no threshold can be guaranteed")]
-    UnboundedNoise {
-        /// Its sensor.
-        sensor: &'static str,
-    },
-    /// A figure beyond what the certificate's other figures give.
-    #[error("`{key}` = {claimed} is more than is proven: {proven}")]
-    Claim {
-        /// The figure.
-        key: &'static str,
-        /// What the file says.
-        claimed: f64,
-        /// What holds.
-        proven: f64,
-    },
+    detector::check(&design)?;
+    let residues = dynamics::residues(&design)?;
+    let proof = proof::prove(&design)?;
+    figures::check(&design)?;
+    Verdict::new(&design, hash, residues, proof)
 }

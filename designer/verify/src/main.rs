@@ -2,12 +2,13 @@
 
 use std::process::ExitCode;
 
-use steerguard_verify::{Refusal, verify};
+use steerguard_verify::verify;
 
 const USAGE: &str = "usage: steerguard-verify FILE
 
 Proves every inequality behind the certified figures of a design file (design.json), for the gains
-as stored, in exact arithmetic. Exit status: 0 proven, 1 not proven or changed, 2 unreadable.";
+as stored, in exact arithmetic, and recomputes what follows from the rest of the file. Exit status:
+0 proven; 1 not proven, be it that the design says so itself, or changed; 2 unreadable.";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os().skip(1);
@@ -30,9 +31,9 @@ fn main() -> ExitCode {
     match verify(&text) {
         Ok(verdict) => {
             print!("{verdict}");
-            ExitCode::SUCCESS
+            if verdict.is_certified() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
-        Err(refusal @ (Refusal::Unreadable(_) | Refusal::Format { .. })) => {
+        Err(refusal) if refusal.is_unreadable() => {
             eprintln!("error: {shown}: {refusal}");
             ExitCode::from(2)
         }

@@ -3,11 +3,12 @@
 //! From (1)-(3) of Wang et al., IFAC CESCIT 2021, doi 10.1016/j.ifacol.2021.10.033, discretised by
 //! Euler: see `designer/METHOD.md` 1 and 2.
 
-use crate::Refusal;
+use crate::agreement::same;
 use crate::band::pi;
 use crate::channel::d_y;
 use crate::exact::{Matrix, Rational, approximate, exact, whole};
-use crate::file::{Design, Disturbance, columns};
+use crate::read::{Design, Disturbance, Range, columns};
+use crate::refusal::Refusal;
 
 /// How far a stored element may be from the exact one, relative to the largest of its column.
 const AGREEMENT: f64 = 1e-12;
@@ -32,13 +33,13 @@ pub struct Coefficients {
 
 impl Coefficients {
     pub fn new(design: &Design) -> Self {
-        let v = &design.vehicle;
+        let v = &design.detector.model.vehicle;
         let (mass, yaw_inertia) = (exact(v.mass_kg), exact(v.yaw_inertia_kg_m2));
         let (l_f, l_r) = (exact(v.front_axle_distance_m), exact(v.rear_axle_distance_m));
         let c_f = exact(v.front_cornering_stiffness_n_per_rad);
         let c_r = exact(v.rear_cornering_stiffness_n_per_rad);
         Self {
-            period: exact(design.sampling_period_s),
+            period: exact(design.detector.model.sampling_period_s),
             force: whole(2) * (&c_f + &c_r) / &mass,
             coupling: whole(2) * (&c_r * &l_r - &c_f * &l_f),
             damping: whole(2) * (c_f * &l_f * l_f + c_r * &l_r * l_r) / &yaw_inertia,
@@ -64,21 +65,19 @@ impl Coefficients {
 
 /// Checks A_i, B, G, C, D, D_y and F of the file.
 pub fn check(design: &Design) -> Result<(), Refusal> {
-    if design.c != [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] {
-        return Err(Refusal::Contradiction { key: "C".into() });
-    }
+    same("C", &design.c, &[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])?;
     check_ranges(design)?;
     let coefficients = Coefficients::new(design);
     let Coefficients { period: t, mass, yaw_inertia, .. } = &coefficients;
 
-    let [slowest, fastest] = design.premise.v_x_m_per_s;
-    let [right, left] = design.premise.r_rad_per_s;
+    let range = &design.detector.model.range;
+    let [[slowest, fastest], [right, left]] = [range.v_x.ends(), range.r.ends()];
     let rules = [(slowest, right), (slowest, left), (fastest, right), (fastest, left)];
     for (i, (v_x, r)) in rules.into_iter().enumerate() {
         let stored = Matrix::exactly(&design.vertices[i].a);
         agree(&format!("vertices[{i}].A"), &stored, &coefficients.a(v_x, r))?;
     }
-    let v = &design.vehicle;
+    let v = &design.detector.model.vehicle;
     let front = whole(2) * t * exact(v.front_cornering_stiffness_n_per_rad);
     let b = matrix([
         [t / exact(v.effective_longitudinal_inertia_kg_m), whole(0)],
@@ -92,8 +91,9 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
     let spec = &design.spec;
     let f = design.f()?;
     agree("F", &f, &Matrix::new(3, f.width(), |row, k| b.at(row, spec.fault[k].column())))?;
+    let gravity = design.constants.gravity_m_per_s2;
     let directions: Vec<_> =
-        spec.disturbance.iter().map(|x| direction(x, mass, yaw_inertia)).collect();
+        spec.disturbance.iter().map(|x| direction(x, mass, yaw_inertia, gravity)).collect();
     let d = design.d()?;
     agree("D", &d, &Matrix::new(3, d.width(), |row, k| t * &directions[k][row]))?;
     check_d_y(design)
@@ -101,50 +101,57 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
 
 /// D_y has a column of each bounded noise, and is null without.
 fn check_d_y(design: &Design) -> Result<(), Refusal> {
+    const EXPECTED: &str = "a column of each bounded noise, or null without";
     let d_y = d_y(design);
     let Some(stored) = &design.d_y else {
-        let contradiction = Refusal::Contradiction { key: "D_y".into() };
-        return if d_y.width() == 0 { Ok(()) } else { Err(contradiction) };
+        return match d_y.width() {
+            0 => Ok(()),
+            _ => Err(Refusal::Shape { key: "D_y", expected: EXPECTED }),
+        };
     };
-    let expected = "a column of each bounded noise, or null without";
-    let stored = columns(stored, d_y.width()).ok_or(Refusal::Shape { key: "D_y", expected })?;
+    let stored =
+        columns(stored, d_y.width()).ok_or(Refusal::Shape { key: "D_y", expected: EXPECTED })?;
     agree("D_y", &stored, &d_y)
 }
 
 /// S_x is a box with positive speeds, and T_s is positive.
 fn check_ranges(design: &Design) -> Result<(), Refusal> {
-    let premise = &design.premise;
-    for (key, [min, max]) in [
-        ("v_x_m_per_s", premise.v_x_m_per_s),
-        ("v_y_m_per_s", premise.v_y_m_per_s),
-        ("r_rad_per_s", premise.r_rad_per_s),
-    ] {
-        if min >= max || (key == "v_x_m_per_s" && min <= 0.0) {
-            return Err(Refusal::Range { key: format!("premise.{key}"), value: [min, max] });
+    let model = &design.detector.model;
+    let Range { v_x, v_y, r } = &model.range;
+    for (key, interval) in [("v_x", v_x), ("v_y", v_y), ("r", r)] {
+        let [min, max] = interval.ends();
+        if min >= max || (key == "v_x" && min <= 0.0) {
+            let key = format!("detector.model.range.{key}");
+            return Err(Refusal::Range { key, value: [min, max] });
         }
     }
-    let v = &design.vehicle;
+    let v = &design.detector.model.vehicle;
     for (key, value) in [
-        ("sampling_period_s", design.sampling_period_s),
+        ("sampling_period_s", model.sampling_period_s),
         ("vehicle.mass_kg", v.mass_kg),
         ("vehicle.yaw_inertia_kg_m2", v.yaw_inertia_kg_m2),
         ("vehicle.effective_longitudinal_inertia_kg_m", v.effective_longitudinal_inertia_kg_m),
     ] {
         if value <= 0.0 {
-            return Err(Refusal::NotPositive { key: key.into(), value });
+            return Err(Refusal::NotPositive { key: format!("detector.model.{key}"), value });
         }
     }
     Ok(())
 }
 
 /// Effect of a disturbance on [v_x', v_y', r'] per unit.
-fn direction(disturbance: &Disturbance, mass: &Rational, yaw_inertia: &Rational) -> [Rational; 3] {
+fn direction(
+    disturbance: &Disturbance,
+    mass: &Rational,
+    yaw_inertia: &Rational,
+    gravity_m_per_s2: f64,
+) -> [Rational; 3] {
     match disturbance {
         Disturbance::SideWind { acting_ahead_m, .. } => {
             [whole(0), whole(1), mass * exact(*acting_ahead_m) / yaw_inertia]
         }
         Disturbance::Bank { .. } => {
-            let gravity = whole(980_665) / whole(100_000);
+            let gravity = exact(gravity_m_per_s2);
             let [pi, _] = pi();
             [whole(0), -gravity * pi / whole(180), whole(0)]
         }

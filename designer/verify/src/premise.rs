@@ -26,8 +26,8 @@
 //! negative and `sum b_j c_j = s`. With the four corners these are 16 vertices.
 
 use crate::exact::{Matrix, Rational, exact, whole};
-use crate::file::Design;
 use crate::model::Coefficients;
+use crate::read::Design;
 
 /// Vertices of K at each control point of the speed: the corners of (v_y, r).
 pub const VERTICES_OF_SPEED: usize = 4;
@@ -38,11 +38,11 @@ type OfSpeed = [Rational; 3];
 /// Matrices whose hull holds K for any true and measured premise in S_x.
 pub fn vertices(design: &Design) -> Vec<Matrix> {
     let coefficients = Coefficients::new(design);
-    let premise = &design.premise;
+    let range = &design.detector.model.range;
     let mut vertices = Vec::new();
-    for speed in control_points(premise.v_x_m_per_s) {
-        for v_y in premise.v_y_m_per_s {
-            for r in premise.r_rad_per_s {
+    for speed in control_points(range.v_x.ends()) {
+        for v_y in range.v_y.ends() {
+            for r in range.r.ends() {
                 vertices.push(derivative(&coefficients, &speed, &exact(v_y), &exact(r)));
             }
         }
@@ -68,7 +68,7 @@ fn control_points([slowest, fastest]: [f64; 2]) -> [OfSpeed; 4] {
 /// `(v, s, s^2)` is a mean of the control points, and the share, affine in s, is the same mean of
 /// theirs, up to what `|1/v - 1/w| = |v - w| / (v w)` adds for the measured speed w.
 pub fn speed_memberships(design: &Design) -> [[Rational; 2]; 4] {
-    let v_x = design.premise.v_x_m_per_s;
+    let v_x = design.detector.model.range.v_x.ends();
     let [slowest, fastest] = v_x.map(exact);
     let width = slowest.recip() - fastest.recip();
     let noise = exact(design.spec.noise.v_x.bound_m_per_s.unwrap_or(0.0));
@@ -95,6 +95,7 @@ pub mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::read::{Interval, Range};
 
     pub fn design() -> Design {
         let text = include_str!("../tests/fixtures/noise.json");
@@ -114,7 +115,7 @@ pub mod tests {
 
     /// Weights of the vertices whose mean is K at a point.
     pub fn weights(design: &Design, v_x: &Rational, v_y: &Rational, r: &Rational) -> Vec<Rational> {
-        let [slowest, fastest] = design.premise.v_x_m_per_s;
+        let [slowest, fastest] = design.detector.model.range.v_x.ends();
         let [s, s_0, s_1] = [v_x, &exact(fastest), &exact(slowest)].map(Rational::recip);
         let c = [
             s_0.clone(),
@@ -129,8 +130,8 @@ pub mod tests {
         };
         let mut weights = Vec::new();
         for (b, c) in bernstein.iter().zip(&c) {
-            for of_v_y in corners(v_y, design.premise.v_y_m_per_s) {
-                for of_r in corners(r, design.premise.r_rad_per_s) {
+            for of_v_y in corners(v_y, design.detector.model.range.v_y.ends()) {
+                for of_r in corners(r, design.detector.model.range.r.ends()) {
                     weights.push(b * c / &s * &of_v_y * of_r);
                 }
             }
@@ -156,9 +157,11 @@ pub mod tests {
             (least, most, r) in point([-1.0, 1.0]),
         ) {
             let mut design = design();
-            design.premise.v_x_m_per_s = [slowest, fastest];
-            design.premise.v_y_m_per_s = [right, left];
-            design.premise.r_rad_per_s = [least, most];
+            design.detector.model.range = Range {
+                v_x: Interval { min: slowest, max: fastest },
+                v_y: Interval { min: right, max: left },
+                r: Interval { min: least, max: most },
+            };
             let k = derivative(
                 &Coefficients::new(&design), &of_speed(&exact(v_x)), &exact(v_y), &exact(r),
             );
@@ -183,7 +186,8 @@ pub mod tests {
             let measured = f64::clamp(other, v_x - bound, v_x + bound);
             let [v_x, measured, between] = [v_x, measured, between].map(exact);
             let speed = &v_x + &between * (&measured - &v_x);
-            let [slowest, fastest] = design.premise.v_x_m_per_s.map(|v_x| exact(v_x).recip());
+            let v_x = design.detector.model.range.v_x.ends();
+            let [slowest, fastest] = v_x.map(|v_x| exact(v_x).recip());
             let share = (measured.recip() - &fastest) / (slowest - fastest);
 
             let weights = weights(&design, &speed, &whole(0), &whole(0));
@@ -221,7 +225,7 @@ pub mod tests {
 
     /// `T_s (A(xi) x + g(xi))` without what does not depend on xi, from (1)-(3).
     pub fn prediction(design: &Design, v_x: &Rational, r: &Rational, v_y: &Rational) -> Matrix {
-        let v = &design.vehicle;
+        let v = &design.detector.model.vehicle;
         let (c_f, c_r) = (
             exact(v.front_cornering_stiffness_n_per_rad),
             exact(v.rear_cornering_stiffness_n_per_rad),
@@ -237,6 +241,6 @@ pub mod tests {
             (&front + &rear) / exact(v.mass_kg) - r * v_x,
             (l_f * front - l_r * rear) / exact(v.yaw_inertia_kg_m2),
         ];
-        Matrix::new(3, 1, |row, _| exact(design.sampling_period_s) * &rows[row])
+        Matrix::new(3, 1, |row, _| exact(design.detector.model.sampling_period_s) * &rows[row])
     }
 }

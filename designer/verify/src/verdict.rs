@@ -2,104 +2,101 @@
 
 use std::fmt;
 
-use crate::Refusal;
 use crate::band::Band;
 use crate::channel::Channels;
-use crate::file::{Design, Fault, Guaranteed};
-use crate::proof::Family;
+use crate::dynamics::Residues;
+use crate::proof::{Figures, Proof};
+use crate::read::{Design, Fault, Guaranteed, Level, Status};
+use crate::refusal::Refusal;
+use crate::tally::Margin;
 
-/// A proven design.
+/// A design that holds what it claims.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// SHA-256 of the content.
     pub hash: String,
-    /// The figures that hold.
-    pub figures: Figures,
-    /// What they mean, one theorem each.
+    /// What the design may be called.
+    pub status: Status,
+    /// The figures that are proven; none of a design that is not certified.
+    pub figures: Option<Figures>,
+    /// What is proven, one theorem each.
     pub statements: Vec<String>,
     /// What rounding left of the observer's equations.
     pub residues: Residues,
     /// How far the inequalities are from failing.
     pub margins: Vec<Margin>,
-}
-
-/// Certified figures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figures {
-    /// Smallest gain from the first fault, per rad or N m.
-    pub beta: f64,
-    /// Largest gain from disturbances and bounded noise, per unit of the first disturbance.
-    pub gamma: f64,
-    /// `beta / gamma`, each channel in units of its smallest fault and of its bound.
-    pub gap: f64,
-    /// gamma of all frequencies.
-    pub gamma_full_band: f64,
-    /// Decay of the error a sample.
-    pub decay: f64,
-}
-
-/// Largest elements of what rounding left of the observer's equations.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Residues {
-    /// `M - (I + E C)` (11).
-    pub m: f64,
-    /// `M A_i - N_i M - L_i C` (13).
-    pub observer_equation: f64,
-    /// `L_i - (H_i - N_i E)` (34), corrected.
-    pub l: f64,
-}
-
-/// The smallest margin of a family.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Margin {
-    /// Which.
-    pub family: Family,
-    /// Number of inequalities, all proven.
-    pub inequalities: usize,
-    /// Smallest pivot of their eliminations relative to its diagonal element, in (0, 1], rounded
-    /// for print: the proof is its exact sign.
-    pub smallest_pivot: f64,
+    /// What was neither proven nor recomputed: keys, and why.
+    pub unchecked: Vec<String>,
 }
 
 impl Verdict {
-    pub(crate) fn new(
+    /// The verdict on `design` with what was proven of it.
+    ///
+    /// # Errors
+    /// [`Refusal`] for bounds that are none.
+    pub fn new(
         design: &Design,
         hash: String,
-        figures: Figures,
         residues: Residues,
-        margins: Vec<Margin>,
+        proof: Proof,
     ) -> Result<Self, Refusal> {
-        let channels = Channels::new(design)?;
-        let statements = statements(design, &figures, &residues, &channels);
-        Ok(Self { hash, figures, statements, residues, margins })
+        Ok(Self {
+            hash,
+            status: design.synthesis.status,
+            figures: proof.figures,
+            statements: statements(design, &proof, &residues)?,
+            residues,
+            unchecked: unchecked(design, &proof),
+            margins: proof.margins,
+        })
+    }
+
+    /// Whether its figures are proven.
+    pub fn is_certified(&self) -> bool {
+        self.figures.is_some()
     }
 }
 
 /// The theorems.
-fn statements(
-    design: &Design,
-    figures: &Figures,
-    residues: &Residues,
-    channels: &Channels,
-) -> Vec<String> {
-    let Figures { beta, gap, gamma_full_band, decay, .. } = figures;
-    let start_up = &design.evaluation.start_up;
-    let [w_1, w_2] = design.evaluation.weights;
+fn statements(design: &Design, proof: &Proof, residues: &Residues) -> Result<Vec<String>, Refusal> {
+    let evaluation = &design.detector.evaluation;
+    let mut statements = Vec::new();
+    if let Some(decay) = proof.decay {
+        statements.push(format!(
+            "For x, x^ and the measured premise in S_x and any courses of premise and rho, the \
+             error without inputs decays at least like {decay}^k."
+        ));
+    }
+    if let Some(figures) = &proof.figures {
+        statements.extend(of_figures(design, figures, &Channels::new(design)?));
+    }
+    statements.push(format!(
+        "From e_0 = [0, v_y, 0] in S_x, without inputs, ||W_r r_j|| <= {} * {}^j.",
+        evaluation.start_up_amplitude, evaluation.start_up_decay,
+    ));
+    statements.extend(guaranteed(design));
+    statements.push(format!(
+        "The stored gains satisfy the observer's equations up to {:.1e}: the error obeys its \
+         equation up to an additional input no larger than that times the sum of |x|, and the \
+         rounding of the detector's own arithmetic.",
+        f64::max(residues.m, residues.observer_equation),
+    ));
+    Ok(statements)
+}
+
+/// The theorems behind the certified figures.
+fn of_figures(design: &Design, figures: &Figures, channels: &Channels) -> Vec<String> {
+    let Figures { beta, gap, gamma_full_band, .. } = figures;
+    let [w_1, w_2] = design.detector.evaluation.weights;
     let unit = match design.spec.fault[0] {
         Fault::Steering { .. } => "rad",
         Fault::Torque { .. } => "N m",
     };
-    let mut statements = vec![
-        format!(
-            "For x, x^ and the measured premise in S_x and any courses of premise and rho, the \
-             error without inputs decays at least like {decay}^k."
-        ),
-        format!(
-            "Likewise, from e_0 = 0 and with W_r = diag({w_1}, {w_2}), for any l2 fault f{}: \
-             ||W_r r|| > beta ||f|| with beta = {beta} per {unit}.",
-            condition(&channels.fault.band),
-        ),
-    ];
+    let mut statements = vec![format!(
+        "Likewise, from e_0 = 0 and with W_r = diag({w_1}, {w_2}), for any l2 fault f{}: \
+         ||W_r r|| > beta ||f|| with beta = {beta} per {unit}.",
+        condition(&channels.fault.band),
+    )];
     statements.extend(attenuation(design, figures, channels));
     statements.push(format!(
         "Unconditionally for any l2 course d of all disturbances and bounded noise: \
@@ -117,24 +114,44 @@ fn statements(
         "At constant premise and rho, beta and gamma are gains over the stated bands; where the \
          premise varies, a band limit on the input alone does not imply the condition on the error."
             .into(),
-        format!(
-            "From e_0 = [0, v_y, 0] in S_x, without inputs, ||W_r r_j|| <= {} * {}^j.",
-            start_up.amplitude, start_up.decay,
-        ),
     ]);
-    statements.extend(guaranteed(design));
-    statements.extend([format!(
-        "The stored gains satisfy the observer's equations up to {:.1e}: the error obeys its \
-             equation up to an additional input no larger than that times the sum of |x|, and \
-             the rounding of the detector's own arithmetic.",
-        f64::max(residues.m, residues.observer_equation),
-    )]);
     statements
+}
+
+/// What is neither proven nor recomputed.
+fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
+    let threshold = &design.threshold;
+    let mut unchecked = vec![
+        "`spec`: that vehicle, bounds and noise are those of the car".to_owned(),
+        "`performance`: the gains of `operating_points`, `frozen` and `other_faults`, `noise_rms` and \
+         `limit`, searched on a grid in double precision; they agree with each other"
+            .to_owned(),
+        "`synthesis` and the matrices of (31)-(33) in `certificate`: how the gains were found"
+            .to_owned(),
+    ];
+    for (key, level) in [
+        ("calibration", threshold.calibration.as_ref()),
+        ("uncertain", threshold.uncertain.as_ref()),
+        ("guaranteed.discretisation", threshold.guaranteed.as_ref().map(|x| &x.discretisation)),
+    ] {
+        if let Some(Level { level, drives, .. }) = level {
+            unchecked.push(format!(
+                "`threshold.{key}.level`: {level}, the largest of {drives} simulated drives"
+            ));
+        }
+    }
+    if threshold.kind == "constant" {
+        unchecked.push("`spec.evaluation.constant`: the threshold, as specified".to_owned());
+    }
+    if proof.decay.is_none() {
+        unchecked.push("`certificate.P_s`: it does not prove the decay of the error".to_owned());
+    }
+    unchecked
 }
 
 /// What a guaranteed threshold covers.
 fn guaranteed(design: &Design) -> Option<String> {
-    let Guaranteed { bound, inputs, discretisation } = design.evaluation.guaranteed.as_ref()?;
+    let Guaranteed { bound, inputs, discretisation } = design.threshold.guaranteed.as_ref()?;
     let inputs: Vec<String> =
         inputs.iter().map(|x| format!("{} ({}): {}", x.name, x.bound, x.j)).collect();
     Some(format!(
@@ -185,16 +202,28 @@ fn condition(band: &Band) -> String {
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Figures { beta, gamma, gap, gamma_full_band, decay } = self.figures;
-        writeln!(f, "certified: design {}", self.hash)?;
-        writeln!(
-            f,
-            "  gap {gap:.4} = beta {beta:.6} to gamma {gamma:.6}, in units of smallest \
-                     fault and bounds"
-        )?;
-        writeln!(f, "  gamma of the full band {gamma_full_band:.6}, decay {decay} a sample")?;
+        match self.figures {
+            Some(Figures { beta, gamma, gap, gamma_full_band, decay }) => {
+                writeln!(f, "certified: design {}", self.hash)?;
+                writeln!(
+                    f,
+                    "  gap {gap:.4} = beta {beta:.6} to gamma {gamma:.6}, in units of smallest fault \
+                     and bounds"
+                )?;
+                writeln!(
+                    f,
+                    "  gamma of the full band {gamma_full_band:.6}, decay {decay} a sample"
+                )?;
+            }
+            None => writeln!(f, "not certified, as it says of itself: design {}", self.hash)?,
+        }
         writeln!(f, "proven in exact arithmetic, for the gains as stored:")?;
         for statement in &self.statements {
+            writeln!(f, "  - {statement}")?;
+        }
+        writeln!(f, "recomputed: model, `detector`, threshold and share, ratios and gaps")?;
+        writeln!(f, "neither proven nor recomputed:")?;
+        for statement in &self.unchecked {
             writeln!(f, "  - {statement}")?;
         }
         writeln!(f, "margins: smallest pivot relative to its diagonal element")?;

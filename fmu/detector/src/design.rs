@@ -10,7 +10,7 @@ use steerguard_fmu_core::fields::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
@@ -19,6 +19,8 @@ const HASH_LENGTH: usize = 64;
 pub struct BakedDesign {
     /// SHA-256 of the design file, in hexadecimal digits.
     pub hash: [u8; HASH_LENGTH],
+    /// Whether those figures are proven.
+    pub certified: bool,
     /// Fault sensitivity that the design reports.
     pub beta: f64,
     /// Disturbance gain that the design reports.
@@ -57,7 +59,7 @@ impl core::error::Error for DesignError {}
 
 impl BakedDesign {
     /// Length of an encoded design, bytes.
-    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 2;
+    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 3;
 
     /// The design as payload for [`steerguard_fmu_core::seal`].
     ///
@@ -107,6 +109,7 @@ impl BakedDesign {
         archive.u32(&mut version);
         archive.require(magic == MAGIC && version == VERSION);
         archive.bytes(&mut self.hash);
+        archive.flag(&mut self.certified);
 
         let Configuration { model, hysteresis, gains, evaluation, actuator, deviations } =
             &mut self.configuration;
@@ -138,6 +141,7 @@ impl BakedDesign {
     /// What decoding fills in; no detector runs on it.
     const EMPTY: Self = Self {
         hash: [0; HASH_LENGTH],
+        certified: false,
         beta: 0.0,
         gamma: 0.0,
         gap: 0.0,

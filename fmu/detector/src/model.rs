@@ -156,6 +156,7 @@ impl Model for DetectorModel {
                 return Value::String(CStr::from_bytes_until_nul(&self.hash).unwrap_or(c""));
             }
             V::DesignSamplePeriod => configuration.model.sampling_period_s,
+            V::DesignCertified => return Value::Boolean(self.design.certified),
             V::DesignBeta => self.design.beta,
             V::DesignGamma => self.design.gamma,
             V::DesignGap => self.design.gap,
@@ -227,6 +228,7 @@ impl Model for DetectorModel {
             | V::FirstAlarmTime
             | V::DesignHash
             | V::DesignSamplePeriod
+            | V::DesignCertified
             | V::DesignBeta
             | V::DesignGamma
             | V::DesignGap
@@ -362,8 +364,9 @@ fn archive_actuator(state: &mut ActuatorState, delay: usize, archive: &mut Archi
 }
 
 fn archive_rms(rms: &mut Rms, window: usize, archive: &mut Archive<'_>) {
-    for square in rms.squares.iter_mut().take(window) {
-        archive.real(square);
+    let Rms { ring, next, newer } = rms;
+    for number in ring.iter_mut().take(window).chain([newer]) {
+        archive.real(number);
     }
-    archive.size(&mut rms.oldest);
+    archive.size(next);
 }

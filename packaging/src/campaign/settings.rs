@@ -107,9 +107,9 @@ impl Subject {
         let range = &spec.operating_range;
         let [v_x_hysteresis, ..] = range.hysteresis();
         Self {
-            vehicle: design.vehicle,
+            vehicle: design.detector.model.vehicle,
             actuator: spec.actuator.actuator(),
-            period_s: design.sampling_period_s,
+            period_s: design.detector.model.sampling_period_s,
             armed_v_x: range.range().v_x.shrunk(v_x_hysteresis),
             lateral_acceleration_m_per_s2: calibration
                 .lateral_acceleration_m_per_s2

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, value_parser};
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::campaign::Shard;
 use crate::campaign::settings::FaultMix;
@@ -57,11 +57,21 @@ pub enum Command {
     Campaign(CampaignArguments),
 }
 
+/// What a design may lack and be used all the same, if that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Allowance {
+    /// The proof of its figures
+    Uncertified,
+}
+
 /// Arguments of `design`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  steerguard design my-car.toml -o design.json")]
+#[command(after_help = "Examples:
+  steerguard design my-car.toml -o design.json
+  steerguard design old.json -o new.json          anew, from the specification inside")]
 pub struct DesignArguments {
-    /// Specification (TOML); every key left out has the value of the paper's vehicle
+    /// Specification (TOML); every key left out has the value of the paper's vehicle. Or a design of this
+    /// or an earlier version (.json), whose specification is taken
     pub spec: PathBuf,
     /// Design file to write
     #[arg(short, long, value_name = "FILE", default_value = "design.json")]
@@ -84,8 +94,12 @@ pub struct VerifyArguments {
   steerguard package design.json --system SteeringFaultSystem.ssp
   steerguard package design.json --runtime win64=SteeringFaultDetector.dll")]
 pub struct PackageArguments {
-    /// Design file (.json), or a specification (.toml) to be designed first
+    /// Design file (.json), which is verified first, or a specification (any other name), which is
+    /// designed
     pub design: PathBuf,
+    /// Use the design although it is not certified; everything made of it says so
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
+    pub allow: Vec<Allowance>,
     /// FMU to write
     #[arg(short, long, value_name = "FILE", default_value = "SteeringFaultDetector.fmu")]
     pub output: PathBuf,
@@ -154,8 +168,12 @@ the same, byte for byte, as those of one run.
 Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on."
 )]
 pub struct CampaignArguments {
-    /// Design file (.json), or a specification (.toml) to be designed first
+    /// Design file (.json), which is verified first, or a specification (any other name), which is
+    /// designed
     pub design: PathBuf,
+    /// Use the design although it is not certified; everything made of it says so
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
+    pub allow: Vec<Allowance>,
     /// Number of drives
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = value_parser!(u64).range(1..=10_000_000))]
     pub drives: u64,

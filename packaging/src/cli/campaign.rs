@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
-use steerguard_designer::Design;
 use steerguard_designer::spec::UncertaintyTable;
+use steerguard_designer::{Design, DesignStatus};
 
-use super::{input, package, print, simulate};
+use super::package::{self, caution};
+use super::{input, print, simulate};
 use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
 use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};
@@ -23,6 +24,8 @@ use crate::fmu::runtime::Runtimes;
 /// What the command did.
 #[derive(Serialize)]
 struct Outcome {
+    /// What the design may be called.
+    status: DesignStatus,
     /// Number of blocks of this part.
     blocks: u64,
     /// Blocks of the campaign that are still missing.
@@ -42,7 +45,7 @@ struct Throughput {
 }
 
 pub(super) fn run(arguments: &CampaignArguments, json: bool) -> Result<Exit, Failure> {
-    let design = input::design(&arguments.design, &Progress::new())?;
+    let design = input::design(&arguments.design, &arguments.allow, &Progress::new())?;
     let settings = settings(arguments, &design);
     if let Some(index) = arguments.drive
         && index >= settings.drives
@@ -54,7 +57,7 @@ pub(super) fn run(arguments: &CampaignArguments, json: bool) -> Result<Exit, Fai
     match (arguments.drive, &arguments.signals) {
         (Some(index), _) => drive_one(&bench, &manifest.settings, index, json),
         (_, Some(path)) => write_signals(arguments, &bench, &manifest, path, json),
-        _ => drive_part(arguments, &bench, &manifest, json),
+        _ => drive_part(arguments, &bench, &manifest, design.synthesis.status, json),
     }
 }
 
@@ -160,11 +163,13 @@ fn drive_part(
     arguments: &CampaignArguments,
     bench: &TestBench,
     manifest: &Manifest,
+    status: DesignStatus,
     json: bool,
 ) -> Result<Exit, Failure> {
     let folder = Folder::open(&arguments.output, manifest.settings.drives, manifest)?;
     let part = arguments.shard.blocks(folder.blocks());
     let mut outcome = Outcome {
+        status,
         blocks: part.end - part.start,
         missing_blocks: Vec::new(),
         throughput: None,
@@ -221,7 +226,8 @@ fn drive(
 
 /// The outcome for people.
 fn text(outcome: &Outcome) -> String {
-    let mut text = match &outcome.report {
+    let mut text = caution(outcome.status);
+    text += &match &outcome.report {
         Some(report) => report.text() + "\n",
         None => format!(
             "{} blocks of the campaign missing: run the other parts here, or copy their blocks/ here \

@@ -27,10 +27,8 @@ pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failu
     let outcome = Outcome { design: DesignSummary::of(&design), file: &arguments.output };
     let file = arguments.output.display();
     let exit = exit(&design);
-    let missed = match exit {
-        Exit::No => format!("`steerguard verify {file}` names the inequality that is missed.\n"),
-        _ => String::new(),
-    };
+    let missed = design.synthesis.unproven.as_ref();
+    let missed = missed.map_or(String::new(), |missed| format!("Not certified: {missed}\n"));
     print(json, &outcome, &format!("Design\n{}\n  {file}\n{missed}", outcome.design.text(None)))?;
     Ok(exit)
 }

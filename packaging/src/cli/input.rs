@@ -1,10 +1,12 @@
-//! Reading specifications and designs.
+//! Reading specifications and designs. A file named `.json` is a design, any other a specification.
 
 use std::path::Path;
 
 use steerguard_designer::document::{Mistakes, Source};
 use steerguard_designer::{Design, DesignError, DesignFileError, Spec};
+use steerguard_verify::Refusal;
 
+use crate::cli::arguments::Allowance;
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
 use crate::drive::scenario::Scenario;
@@ -34,8 +36,15 @@ fn decoded(bytes: Vec<u8>) -> Result<String, Failure> {
     })
 }
 
-/// The specification in the file at `path`.
+fn is_design(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+}
+
+/// The specification in the file at `path`, or inside the design there.
 pub(super) fn spec(path: &Path) -> Result<Spec, Failure> {
+    if is_design(path) {
+        return Design::spec_from_json(&text(path)?).map_err(|error| unreadable(error, path));
+    }
     let help = "examples/paper.toml explains every key and states its default";
     document(path, help, Spec::from_toml)
 }
@@ -59,20 +68,65 @@ fn document<T>(
     })
 }
 
-/// The design in the file at `path`, or made from the specification there.
-pub(super) fn design(path: &Path, progress: &Progress) -> Result<Design, Failure> {
-    let text = text(path)?;
-    if text.trim_start().starts_with('{') {
-        return Design::from_json(&text).map_err(|error| refused(&error, path));
+/// The design in the file at `path`, verified, or made from the specification there. It is certified,
+/// or `allowed` not to be.
+pub(super) fn design(
+    path: &Path,
+    allowed: &[Allowance],
+    progress: &Progress,
+) -> Result<Design, Failure> {
+    let design = if is_design(path) {
+        progress.say("verifying the design");
+        let text = text(path)?;
+        steerguard_verify::verify(&text).map_err(|refusal| refused(refusal, path))?;
+        Design::from_json(&text).map_err(|error| unreadable(error, path))?
+    } else {
+        make(&spec(path)?, progress).map_err(|failure| failure.at(path.display()))?
+    };
+    if let Some(missed) = &design.synthesis.unproven
+        && !allowed.contains(&Allowance::Uncertified)
+    {
+        return Err(Failure::no(format!("the design is not certified: {missed}"))
+            .at(path.display())
+            .help("--allow uncertified uses it all the same; what is made of it says so"));
     }
-    make(&spec(path)?, progress).map_err(|failure| failure.at(path.display()))
+    Ok(design)
 }
 
-/// Why a design file is refused.
-pub(super) fn refused(error: &DesignFileError, path: &Path) -> Failure {
-    Failure::bad(error)
-        .at(path.display())
-        .help("make the file again with `steerguard design`; it is not meant to be edited")
+/// Why a design file cannot be read.
+fn unreadable(error: DesignFileError, path: &Path) -> Failure {
+    match error {
+        DesignFileError::Refused(refusal) => refused(refusal, path),
+        other => Failure::bad(other).at(path.display()).help(
+            "`steerguard design` makes design files from a specification; write that one anew",
+        ),
+    }
+}
+
+/// Why a design file is refused, and what to do.
+pub(super) fn refused(refusal: Refusal, path: &Path) -> Failure {
+    let help = match &refusal {
+        Refusal::Format { .. } => format!(
+            "`steerguard design {} -o NEW.json` designs anew from the specification inside",
+            path.display()
+        ),
+        Refusal::Empty | Refusal::Truncated(_) => {
+            "make it again with `steerguard design SPEC -o FILE`".into()
+        }
+        Refusal::Unreadable(_) | Refusal::NoFormat => {
+            "a file named .json is read as a design, which `steerguard design` makes; \
+             specifications are TOML, with any other name"
+                .into()
+        }
+        _ => "do not edit designs: change the specification, and make the design again with \
+              `steerguard design`"
+            .into(),
+    };
+    let failure = match refusal.is_unreadable() {
+        true => Failure::bad(refusal),
+        false => Failure::no(refusal),
+    };
+    failure.at(path.display()).help(help)
 }
 
 /// Designs a detector.

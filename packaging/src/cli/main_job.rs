@@ -42,6 +42,9 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
 
     progress.say("proving the design file");
     let proof = verify::Proof::of(&steerguard_verify::verify(&input::text(&design_file)?));
+    if !proof.holds {
+        return Err(Failure::no(proof.text()).at(design_file.display()));
+    }
     progress.say("packaging");
     let detector_file = folder.join("SteeringFaultDetector.fmu");
     let plant_file = folder.join("VehiclePlant.fmu");
@@ -54,7 +57,7 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     let files = simulate::write(&simulation, folder)?;
     drop(progress);
 
-    let right = proof.holds && simulation.detections().all(Detection::is_right);
+    let right = simulation.detections().all(Detection::is_right);
     let outcome = Outcome {
         design: DesignSummary::of(&designed),
         proof,

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use steerguard_designer::Design;
+use steerguard_designer::{Design, DesignStatus};
 use steerguard_fmu::BakedDesign;
 
 use super::{input, print};
 use crate::cli::arguments::PackageArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
-use crate::fmu::design_summary::{baked, causes};
+use crate::fmu::design_summary::{baked, causes, status};
 use crate::fmu::package::{PackageError, detector_fmu, plant_fmu};
 use crate::fmu::runtime::Runtimes;
 use crate::fmu::system::system_ssp;
@@ -25,6 +25,8 @@ pub(super) struct Packaged {
 
 #[derive(Serialize)]
 struct Outcome {
+    /// What the design may be called.
+    status: DesignStatus,
     fmus: Vec<Packaged>,
     platforms: Vec<&'static str>,
 }
@@ -38,7 +40,7 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
     }
     let design = {
         let progress = Progress::new();
-        input::design(&arguments.design, &progress)?
+        input::design(&arguments.design, &arguments.allow, &progress)?
     };
     let mut fmus = vec![detector(&design, &runtimes, &arguments.output)?];
     if let Some(path) = &arguments.plant {
@@ -48,9 +50,18 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
         fmus.push(system(&design, &runtimes, path)?);
     }
     let platforms = runtimes.0.keys().map(|platform| platform.folder()).collect();
-    let text = listed(&fmus, "");
-    print(json, &Outcome { fmus, platforms }, &text)?;
+    let status = design.synthesis.status;
+    let text = caution(status) + &listed(&fmus, "");
+    print(json, &Outcome { status, fmus, platforms }, &text)?;
     Ok(Exit::Done)
+}
+
+/// A line that says so where a design is not certified.
+pub(super) fn caution(of: DesignStatus) -> String {
+    match of {
+        DesignStatus::Certified => String::new(),
+        other => format!("The design is {}.\n", status(other)),
+    }
 }
 
 /// Lines with files and sizes.
@@ -65,7 +76,7 @@ pub(super) fn detector(
     runtimes: &Runtimes,
     path: &Path,
 ) -> Result<Packaged, Failure> {
-    write(path, detector_fmu(&payload(design)?, &causes(&design.evaluation), runtimes))
+    write(path, detector_fmu(&payload(design)?, &causes(&design.threshold), runtimes))
 }
 
 fn payload(design: &Design) -> Result<BakedDesign, Failure> {
@@ -81,7 +92,7 @@ pub(super) fn plant(path: &Path) -> Result<Packaged, Failure> {
 fn system(design: &Design, runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failure> {
     write(
         path,
-        system_ssp(&payload(design)?, &causes(&design.evaluation), runtimes, &Runtimes::plant()),
+        system_ssp(&payload(design)?, &causes(&design.threshold), runtimes, &Runtimes::plant()),
     )
 }
 

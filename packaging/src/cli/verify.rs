@@ -1,7 +1,7 @@
 //! `steerguard verify`: the exact proof check of `steerguard-verify`, in the dress of this command.
 
 use serde::Serialize;
-use steerguard_verify::{Refusal, Verdict};
+use steerguard_verify::{Figures, Refusal, Verdict};
 
 use super::{input, print};
 use crate::cli::arguments::VerifyArguments;
@@ -11,20 +11,35 @@ use crate::cli::failure::{Exit, Failure};
 #[derive(Serialize)]
 struct Outcome {
     hash: String,
+    #[serde(flatten)]
+    figures: Option<Certified>,
+    #[serde(flatten)]
+    proof: Proof,
+    statements: Vec<String>,
+    unchecked: Vec<String>,
+}
+
+/// The figures that are proven.
+#[derive(Serialize)]
+struct Certified {
     beta: f64,
     gamma: f64,
     gap: f64,
     gamma_full_band: f64,
     decay: f64,
-    #[serde(flatten)]
-    proof: Proof,
-    statements: Vec<String>,
+}
+
+impl From<Figures> for Certified {
+    fn from(figures: Figures) -> Self {
+        let Figures { beta, gamma, gap, gamma_full_band, decay } = figures;
+        Self { beta, gamma, gap, gamma_full_band, decay }
+    }
 }
 
 /// The extent of a proof, or why there is none.
 #[derive(Serialize)]
 pub(super) struct Proof {
-    /// Whether every inequality is proven.
+    /// Whether the certified figures are proven.
     pub(super) holds: bool,
     inequalities: usize,
     smallest_pivot: Option<f64>,
@@ -36,7 +51,7 @@ impl Proof {
     pub(super) fn of(checked: &Result<Verdict, Refusal>) -> Self {
         match checked {
             Ok(verdict) => Self {
-                holds: true,
+                holds: verdict.is_certified(),
                 inequalities: verdict.margins.iter().map(|margin| margin.inequalities).sum(),
                 smallest_pivot: verdict.margins.iter().map(|m| m.smallest_pivot).reduce(f64::min),
                 refusal: None,
@@ -53,7 +68,8 @@ impl Proof {
     /// The same in words.
     pub(super) fn text(&self) -> String {
         match &self.refusal {
-            None => format!("{} inequalities in exact arithmetic", self.inequalities),
+            None if self.holds => format!("{} inequalities in exact arithmetic", self.inequalities),
+            None => format!("{} inequalities, none of them about gains", self.inequalities),
             Some(refusal) => format!("FAILS: {refusal}"),
         }
     }
@@ -63,25 +79,11 @@ pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failu
     let path = &arguments.design;
     let checked = steerguard_verify::verify(&input::text(path)?);
     let proof = Proof::of(&checked);
-    let verdict = checked.map_err(|refusal| {
-        let failure = match refusal {
-            Refusal::Unreadable(_) | Refusal::Format { .. } => Failure::bad(refusal),
-            other => Failure::no(other),
-        };
-        failure.at(path.display()).help("`steerguard design` makes design files; do not edit them")
-    })?;
-    let text = verdict.to_string();
-    let Verdict { hash, figures, statements, .. } = verdict;
-    let outcome = Outcome {
-        hash,
-        beta: figures.beta,
-        gamma: figures.gamma,
-        gap: figures.gap,
-        gamma_full_band: figures.gamma_full_band,
-        decay: figures.decay,
-        proof,
-        statements,
-    };
-    print(json, &outcome, &text)?;
-    Ok(Exit::Done)
+    let verdict = checked.map_err(|refusal| input::refused(refusal, path))?;
+    let (text, exit) =
+        (verdict.to_string(), if verdict.is_certified() { Exit::Done } else { Exit::No });
+    let Verdict { hash, figures, statements, unchecked, .. } = verdict;
+    let figures = figures.map(Certified::from);
+    print(json, &Outcome { hash, figures, proof, statements, unchecked }, &text)?;
+    Ok(exit)
 }

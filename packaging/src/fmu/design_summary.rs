@@ -4,7 +4,7 @@ use serde::Serialize;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::calibration::Level;
 use steerguard_designer::threshold::{SteadyThreshold, UNCERTAINTIES, by_cause};
-use steerguard_designer::{CertifiedFigures, Design, DesignStatus, EvaluationDesign};
+use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
 use crate::output::table::aligned;
@@ -102,13 +102,16 @@ impl DesignSummary {
                     .map(|margin| margin.smallest_eigenvalue)
             }),
             spectral_radii: [slow_1.max(slow_2), fast_1.max(fast_2)],
-            speeds_m_per_s: design.premise.v_x_m_per_s,
-            threshold: design.evaluation.threshold,
+            speeds_m_per_s: {
+                let v_x = design.detector.model.range.v_x;
+                [v_x.min, v_x.max]
+            },
+            threshold: design.detector.evaluation.threshold,
             smallest_fault_j: performance.smallest_fault_residual,
-            threshold_margin: design.evaluation.margin,
-            threshold_kind: design.evaluation.kind,
-            threshold_causes: causes(&design.evaluation),
-            threshold_by_cause: by_cause(&design.configuration()),
+            threshold_margin: design.threshold.margin,
+            threshold_kind: design.threshold.kind,
+            threshold_causes: causes(&design.threshold),
+            threshold_by_cause: by_cause(&design.detector),
         }
     }
 
@@ -191,9 +194,9 @@ impl DesignSummary {
 }
 
 /// The shares of the threshold's level.
-pub fn causes(evaluation: &EvaluationDesign) -> Vec<Cause> {
+pub fn causes(threshold: &ThresholdRecord) -> Vec<Cause> {
     let mut causes = Vec::new();
-    match (&evaluation.calibration, &evaluation.uncertain) {
+    match (&threshold.calibration, &threshold.uncertain) {
         (Some(level), Some(ratio)) => {
             let share = ratio.level;
             let cause =
@@ -210,7 +213,7 @@ pub fn causes(evaluation: &EvaluationDesign) -> Vec<Cause> {
         }
         _ => {}
     }
-    if let Some(guaranteed) = &evaluation.guaranteed {
+    if let Some(guaranteed) = &threshold.guaranteed {
         causes.extend(guaranteed.inputs.iter().map(|input| Cause {
             cause: format!("proven: {}, up to {} {}", input.name, input.bound, input.unit),
             j: Some(input.j),
@@ -270,9 +273,10 @@ pub fn baked(design: &Design) -> Result<BakedDesign, String> {
     let certified = design.performance.certified.as_ref();
     Ok(BakedDesign {
         hash: design.hash.as_bytes().try_into().map_err(|_| design.hash.clone())?,
+        certified: design.synthesis.status == DesignStatus::Certified,
         beta: certified.map_or(0.0, |x| x.beta),
         gamma: certified.map_or(0.0, |x| x.gamma),
         gap: certified.map_or(0.0, |x| x.gap),
-        configuration: design.configuration(),
+        configuration: design.detector,
     })
 }

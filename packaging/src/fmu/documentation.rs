@@ -159,6 +159,15 @@ fn summary(design: &BakedDesign) -> String {
     let mut text = String::from("<h2>Design</h2>\n<table>\n");
     for (name, value) in [
         ("design file, SHA-256", String::from_utf8_lossy(&design.hash).into_owned()),
+        (
+            "status",
+            match design.certified {
+                true => "certified: the figures below are proven for these gains".to_owned(),
+                false => {
+                    "NOT CERTIFIED: there is no proof of what these gains are worth".to_owned()
+                }
+            },
+        ),
         ("sampling period T_s", format!("{} s", model.sampling_period_s)),
         ("range of v_x", interval(model.range.v_x, "m/s")),
         ("range of v_y", interval(model.range.v_y, "m/s")),

@@ -1,5 +1,7 @@
 //! Running the command as users do.
 
+#![allow(dead_code, reason = "not every test needs all")]
+
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -27,7 +27,7 @@ pub type Error = Box<dyn std::error::Error>;
 /// What designing and packaging say.
 pub fn paper() -> Result<(Configuration, Vec<u8>), Error> {
     let design = design(&Spec::paper(), &mut |_| {})?;
-    let fmu = detector_fmu(&baked(&design)?, &causes(&design.evaluation), &Runtimes::detector())?;
+    let fmu = detector_fmu(&baked(&design)?, &causes(&design.threshold), &Runtimes::detector())?;
     Ok((design.configuration(), fmu))
 }
 

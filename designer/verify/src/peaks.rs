@@ -11,16 +11,17 @@
 //! Without noise: the rules, at both ends of rho. With noise, K and h are tied by the speed, see
 //! [`premise::speed_memberships`]; v_y and r in K are free.
 
-use crate::Refusal;
+use crate::agreement::same;
 use crate::channel::{BoundedInput, bounded_inputs, positive};
-use crate::error_dynamics::{Course, ErrorDynamics};
+use crate::dynamics::{Course, ErrorDynamics};
 use crate::exact::{Matrix, Rational, approximate, exact, whole};
-use crate::file::{Design, Guaranteed, PeakCertificate, RULES};
+use crate::family::{Combination, Family};
 use crate::premise;
-use crate::proof::{Combination, Family, Tally};
-use crate::verdict::Margin;
+use crate::read::{Design, Guaranteed, PeakCertificate, RULES};
+use crate::refusal::Refusal;
+use crate::tally::{Margin, Tally};
 
-/// Value of `evaluation.kind` that this is about.
+/// Value of `threshold.kind` that this is about.
 const GUARANTEED: &str = "guaranteed";
 
 /// Proves the claim of a guaranteed threshold; nothing for other kinds.
@@ -28,19 +29,16 @@ const GUARANTEED: &str = "guaranteed";
 /// # Errors
 /// [`Refusal`]: the first inequality or claim that does not hold.
 pub fn prove_peaks(dynamics: &ErrorDynamics, design: &Design) -> Result<Vec<Margin>, Refusal> {
-    let (claimed, certificates) = (&design.evaluation.guaranteed, &design.certificate.peaks);
-    if design.evaluation.kind != GUARANTEED {
-        return match claimed {
-            None => Ok(Vec::new()),
-            Some(_) => Err(Refusal::Contradiction { key: "evaluation.guaranteed".into() }),
-        };
+    let (claimed, certificates) = (&design.threshold.guaranteed, &design.certificate.peaks);
+    if design.threshold.kind != GUARANTEED {
+        return Ok(Vec::new());
     }
     let inputs = bounded_inputs(design)?;
     let missing = |key| Refusal::NoCertificate { key };
-    let claimed = claimed.as_ref().ok_or(missing("evaluation.guaranteed"))?;
+    let claimed = claimed.as_ref().ok_or(missing("threshold.guaranteed"))?;
     let certificates = certificates.as_ref().ok_or(missing("certificate.peaks"))?;
     for (key, count) in [
-        ("evaluation.guaranteed.inputs", claimed.inputs.len()),
+        ("threshold.guaranteed.inputs", claimed.inputs.len()),
         ("certificate.peaks", certificates.len()),
     ] {
         if count != inputs.len() {
@@ -68,17 +66,17 @@ fn check_claims(
     certificates: &[PeakCertificate],
     inputs: &[BoundedInput],
 ) -> Result<(), Refusal> {
-    let window = positive("evaluation.window", design.evaluation.window)?;
+    let window = positive("detector.evaluation.window", design.detector.evaluation.window)?;
     let mut sum = whole(0);
     for ((claim, certificate), input) in claimed.inputs.iter().zip(certificates).zip(inputs) {
-        if claim.bound != input.bound || claim.name != input.name {
-            return Err(Refusal::Contradiction { key: "evaluation.guaranteed.inputs".into() });
-        }
+        let of = |x| format!("threshold.guaranteed.inputs: {x}");
+        same(&of("name"), &claim.name, &input.name)?;
+        same(&of("bound"), &claim.bound, &input.bound)?;
         let (gain, j) = (exact(certificate.gain), exact(claim.j));
         let squared = &gain * &gain + exact(certificate.energy) / &window;
         if claim.j < 0.0 || &j * &j < squared {
             return Err(Refusal::Claim {
-                key: "evaluation.guaranteed.inputs: j",
+                key: "threshold.guaranteed.inputs: j",
                 claimed: claim.j,
                 proven: approximate(&squared).sqrt(),
             });
@@ -86,10 +84,10 @@ fn check_claims(
         sum += j;
     }
     let Guaranteed { bound, .. } = *claimed;
-    let threshold = design.evaluation.threshold;
+    let threshold = design.detector.evaluation.threshold;
     for (key, claimed, proven) in [
-        ("evaluation.guaranteed.bound", bound, sum),
-        ("evaluation.threshold", threshold, exact(bound)),
+        ("threshold.guaranteed.bound", bound, sum),
+        ("detector.evaluation.threshold", threshold, exact(bound)),
     ] {
         if exact(claimed) < proven {
             return Err(Refusal::Claim { key, claimed, proven: approximate(&proven) });

@@ -13,12 +13,11 @@
 //! without products of them: an inequality that is affine in them holds if it does for all rules, at
 //! both ends of rho and at all vertices of K.
 
-use crate::Refusal;
 use crate::channel::Channel;
 use crate::exact::{Matrix, approximate, exact, whole};
-use crate::file::{Design, RULES};
 use crate::premise;
-use crate::verdict::Residues;
+use crate::read::{Design, Detector, RULES};
+use crate::refusal::Refusal;
 
 /// Largest residue of the observer's equations that counts as rounding.
 const RESIDUE: f64 = 1e-10;
@@ -54,21 +53,21 @@ pub struct Course {
 impl ErrorDynamics {
     /// From the gains as stored.
     pub fn new(design: &Design) -> Self {
+        let Detector { gains, model, evaluation, .. } = &design.detector;
         let [c, e, m] =
-            [Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m)];
-        let rho = design.premise.v_y_m_per_s.map(|v_y| 2.0 * v_y);
+            [Matrix::exactly(&design.c), Matrix::exactly(&gains.e), Matrix::exactly(&gains.m)];
+        let rho = model.range.v_y.ends().map(|v_y| 2.0 * v_y);
         let e_2 = Matrix::exactly(&[[0.0, 1.0, 0.0]]);
         let m_g = &(&m * &Matrix::exactly(&design.g)) * &e_2;
         let m_g_rho = rho.map(|rho| m_g.times(&exact(rho)));
-        let [w_1, w_2] = design.evaluation.weights;
+        let [w_1, w_2] = evaluation.weights;
         let w_r = Matrix::exactly(&[[w_1, 0.0], [0.0, w_2]]);
-        let rules = design.vertices.each_ref();
         Self {
             rho,
-            n: m_g_rho.each_ref().map(|m_g| rules.map(|rule| &Matrix::exactly(&rule.n) + m_g)),
+            n: m_g_rho.each_ref().map(|m_g| gains.n.each_ref().map(|n| &Matrix::exactly(n) + m_g)),
             injection: m_g_rho
                 .each_ref()
-                .map(|m_g| rules.map(|rule| &(m_g * &e) - &Matrix::exactly(&rule.l))),
+                .map(|m_g| gains.l.each_ref().map(|l| &(m_g * &e) - &Matrix::exactly(l))),
             m_k: premise::vertices(design).iter().map(|k| &m * k).collect(),
             output: &w_r * &c,
             feedthrough: &w_r * &(&Matrix::identity(2) + &(&c * &e)),
@@ -125,20 +124,32 @@ impl ErrorDynamics {
     }
 }
 
+/// Largest elements of what rounding left of the observer's equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residues {
+    /// `M - (I + E C)` (11).
+    pub m: f64,
+    /// `M A_i - N_i M - L_i C` (13).
+    pub observer_equation: f64,
+    /// `L_i - (H_i - N_i E)` (34), corrected.
+    pub l: f64,
+}
+
 /// What rounding left of the equations that the observer is built on. They make the error obey the
 /// equation that everything else is about.
 ///
 /// # Errors
 /// [`Refusal::Residue`]: more than rounding.
 pub fn residues(design: &Design) -> Result<Residues, Refusal> {
+    let gains = &design.detector.gains;
     let [c, e, m] =
-        [Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m)];
+        [Matrix::exactly(&design.c), Matrix::exactly(&gains.e), Matrix::exactly(&gains.m)];
     let m_equation = &m - &(&Matrix::identity(3) + &(&e * &c));
     let mut observer_equation = whole(0);
     let mut l_equation = whole(0);
-    for rule in &design.vertices {
-        let [a, n] = [&rule.a, &rule.n].map(|x| Matrix::exactly(x));
-        let [l, h] = [&rule.l, &rule.h].map(|x| Matrix::exactly(x));
+    for (rule, (n, l)) in design.vertices.iter().zip(gains.n.iter().zip(&gains.l)) {
+        let [a, n] = [&rule.a, n].map(|x| Matrix::exactly(x));
+        let [l, h] = [l, &rule.h].map(|x| Matrix::exactly(x));
         let observer = &(&(&m * &a) - &(&n * &m)) - &(&l * &c);
         observer_equation = observer_equation.max(observer.largest());
         l_equation = l_equation.max((&(&h - &(&n * &e)) - &l).largest());
@@ -178,9 +189,10 @@ mod tests {
             d in -1.0..1.0, noise in -0.05..0.05,
         ) {
             let design = design();
+            let Detector { gains, model, evaluation, .. } = &design.detector;
             let column = |rows: [f64; 3]| Matrix::exactly(&rows.map(|x| [x]));
             let [c, e_gain, m, g] = [
-                Matrix::exactly(&design.c), Matrix::exactly(&design.e), Matrix::exactly(&design.m),
+                Matrix::exactly(&design.c), Matrix::exactly(&gains.e), Matrix::exactly(&gains.m),
                 Matrix::exactly(&design.g),
             ];
             // Yaw moment and yaw-rate noise.
@@ -197,8 +209,8 @@ mod tests {
             let measured_r = y.at(1, 0);
             let h: Vec<Rational> = {
                 let share = |x: &Rational, [from, to]: [&Rational; 2]| (x - from) / (to - from);
-                let [slow, fast] = design.premise.v_x_m_per_s.map(|v_x| exact(v_x).recip());
-                let [right, left] = design.premise.r_rad_per_s.map(exact);
+                let [slow, fast] = model.range.v_x.ends().map(|v_x| exact(v_x).recip());
+                let [right, left] = model.range.r.ends().map(exact);
                 let (at_slow, at_left) =
                     (share(&v_x.recip(), [&fast, &slow]), share(&measured_r, [&right, &left]));
                 let other = |x: &Rational| whole(1) - x;
@@ -214,14 +226,13 @@ mod tests {
             let mut next_z = &m
                 * &(&prediction(&design, &v_x, &measured_r, &whole(0))
                     + &g.times(&(&v_y_hat * &v_y_hat)));
-            for (rule, h) in design.vertices.iter().zip(&h) {
-                let by_rule =
-                    &(&Matrix::exactly(&rule.n) * &z) + &(&Matrix::exactly(&rule.l) * &y);
+            for ((n, l), h) in gains.n.iter().zip(&gains.l).zip(&h) {
+                let by_rule = &(&Matrix::exactly(n) * &z) + &(&Matrix::exactly(l) * &y);
                 next_z = &next_z + &by_rule.times(h);
             }
             let next_e = &(&m * &next_x) - &next_z;
 
-            let [low, high] = design.premise.v_y_m_per_s.map(|v_y| whole(2) * exact(v_y));
+            let [low, high] = model.range.v_y.ends().map(|v_y| whole(2) * exact(v_y));
             let at_high = (&v_y + &v_y_hat - &low) / (high - &low);
             let of_k = weights(&design, &v_x, &v_y, &r);
             let state = Matrix::new(8, 1, |row, _| match row {
@@ -245,7 +256,7 @@ mod tests {
             // r = y - C x^.
             let residual = &y - &(&c * &x_hat);
             let state = Matrix::new(5, 1, |row, _| state.at(row, 0));
-            let [w_1, w_2] = design.evaluation.weights;
+            let [w_1, w_2] = evaluation.weights;
             let weighted = &Matrix::exactly(&[[w_1, 0.0], [0.0, w_2]]) * &residual;
             let missed = &(&dynamics.output_with(channel) * &state) - &weighted;
             prop_assert!(approximate(&missed.largest()) < 1e-13);

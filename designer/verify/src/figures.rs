@@ -1,0 +1,241 @@
+//! Figures that follow from others in the file: threshold, synthesis, performance.
+//!
+//! In double precision, up to rounding; what a proof is about is compared exactly elsewhere.
+
+use std::f64::consts::PI;
+
+use crate::agreement::{ROUNDING, at_most, near, same, within};
+use crate::band::Band;
+use crate::read::{Design, Evaluation, Fault, Frozen, Level, Point, Rows3};
+use crate::refusal::Refusal;
+
+/// Share of the drives that the confidence of a [`Level`] leaves: it holds with 95 %.
+const LEFT_BY_CONFIDENCE: f64 = 0.05;
+/// Squarings of a matrix until its norm is that of its spectral radius.
+const SQUARINGS: i32 = 60;
+/// Rounding of a spectral radius, which a defective matrix takes the cube root of.
+const RADIUS_ROUNDING: f64 = 1e-5;
+
+/// Checks all of them.
+///
+/// # Errors
+/// [`Refusal::Disagreement`]: the first that does not follow.
+pub fn check(design: &Design) -> Result<(), Refusal> {
+    threshold(design)?;
+    start_up(design)?;
+    synthesis(design)?;
+    performance(design)?;
+    certified(design)
+}
+
+/// Threshold and share from levels and margin, by kind.
+fn threshold(design: &Design) -> Result<(), Refusal> {
+    let (causes, specified) = (&design.threshold, &design.spec.evaluation);
+    let Evaluation { threshold, uncertainty_share, .. } = design.detector.evaluation;
+    same("threshold.kind", &causes.kind, &specified.threshold)?;
+    same("threshold.margin", &causes.margin, &specified.margin)?;
+
+    let levels = [&causes.calibration, &causes.uncertain].map(|level| level.as_ref());
+    let guaranteed = causes.guaranteed.as_ref();
+    let present = [levels[0].is_some(), levels[1].is_some(), guaranteed.is_some()];
+    let margin = causes.margin;
+    let (expected, [recomputed, share]) = match causes.kind.as_str() {
+        "constant" => ([false; 3], [specified.constant.unwrap_or(f64::NAN), 0.0]),
+        "calibrated" => {
+            let level = levels[0].map_or(f64::NAN, |level| level.level);
+            ([true, false, false], [margin * level, 0.0])
+        }
+        "adaptive" => {
+            let [level, ratio] = levels.map(|level| level.map_or(f64::NAN, |level| level.level));
+            ([true, true, false], [margin * ratio * level, margin * ratio])
+        }
+        "guaranteed" => {
+            let level = guaranteed.map_or(f64::NAN, |x| x.bound + x.discretisation.level);
+            ([false, false, true], [margin * level, 0.0])
+        }
+        other => return Err(Refusal::Kind { found: other.into() }),
+    };
+    for ((key, present), expected) in
+        ["calibration", "uncertain", "guaranteed"].into_iter().zip(present).zip(expected)
+    {
+        match (present, expected) {
+            (false, true) => {
+                let key = format!("threshold.{key}");
+                return Err(Refusal::NoCause { key, kind: causes.kind.clone() });
+            }
+            (true, false) => {
+                let key = format!("threshold.{key}");
+                return Err(Refusal::OtherCause { key, kind: causes.kind.clone() });
+            }
+            _ => {}
+        }
+    }
+    near("detector.evaluation.threshold", threshold, recomputed)?;
+    near("detector.evaluation.uncertainty_share", uncertainty_share, share)?;
+
+    let discretisation = guaranteed.map(|x| &x.discretisation);
+    for (key, level) in [
+        ("calibration", levels[0]),
+        ("uncertain", levels[1]),
+        ("guaranteed.discretisation", discretisation),
+    ] {
+        if let Some(Level { drives, exceeded_at_most, .. }) = level {
+            let key = format!("threshold.{key}.exceeded_at_most");
+            let recomputed = 1.0 - LEFT_BY_CONFIDENCE.powf(1.0 / drives);
+            within(&key, *exceeded_at_most, recomputed, ROUNDING)?;
+        }
+    }
+    Ok(())
+}
+
+/// The start-up term is that of its matrices, from the largest lateral speed of S_x.
+fn start_up(design: &Design) -> Result<(), Refusal> {
+    let [right, left] = design.detector.model.range.v_y.ends();
+    let p_22 = design.threshold.start_up.p.iter().map(|p| p[1][1]).fold(0.0, f64::max);
+    let amplitude = p_22.sqrt() * f64::max(right.abs(), left.abs());
+    let stored = design.detector.evaluation.start_up_amplitude;
+    near("detector.evaluation.start_up_amplitude", stored, amplitude)
+}
+
+/// The smallest fault of interest, rad or N m.
+fn smallest(fault: &Fault) -> f64 {
+    match fault {
+        Fault::Steering { smallest_deg, .. } => smallest_deg * PI / 180.0,
+        Fault::Torque { smallest_n_m, .. } => *smallest_n_m,
+    }
+}
+
+fn synthesis(design: &Design) -> Result<(), Refusal> {
+    let (synthesis, spec) = (&design.synthesis, &design.spec);
+    same("synthesis.method", &synthesis.method, &spec.design.method)?;
+    let bound = spec.disturbance[0].bound();
+    let gap = synthesis.beta * smallest(&spec.fault[0]) / (synthesis.gamma * bound);
+    near("synthesis.gap", synthesis.gap, gap)?;
+
+    // ||W_r C V'|| / |alpha_f + exp(jw)|, monotonic over a band.
+    let ([w_1, w_2], [v]) = (design.detector.evaluation.weights, synthesis.v);
+    let alpha = synthesis.alpha_f;
+    let band_hz = spec.fault[0].band_hz();
+    let ends = match Band::new(band_hz, design.detector.model.sampling_period_s)? {
+        Band::Low(theta) => [0.0, theta.approximate()],
+        Band::High(theta) => [theta.approximate(), PI],
+        Band::Full => [0.0, PI],
+    };
+    let largest = ends
+        .map(|w| (alpha * alpha + 2.0 * alpha * w.cos() + 1.0).sqrt())
+        .into_iter()
+        .fold(0.0, f64::max);
+    let beta_bound = f64::hypot(w_1 * v[0], w_2 * v[2]) / largest;
+    near("synthesis.beta_bound", synthesis.beta_bound, beta_bound)
+}
+
+fn performance(design: &Design) -> Result<(), Refusal> {
+    let (performance, spec) = (&design.performance, &design.spec);
+    let of = |key: &str| format!("performance.{key}");
+    let bound = spec.disturbance[0].bound();
+    let smallest_fault = smallest(&spec.fault[0]);
+    let noise_rms = performance.noise_rms;
+    let frozen = &performance.frozen;
+    figures(&of("frozen"), frozen, smallest_fault, bound)?;
+    let ratio = detection_ratio(frozen, noise_rms, smallest_fault, bound);
+    near(&of("detection_ratio"), performance.detection_ratio, ratio)?;
+    let residual = frozen.beta * smallest_fault;
+    near(&of("smallest_fault_residual"), performance.smallest_fault_residual, residual)?;
+
+    // Every figure is the worst of the points'.
+    let points = &performance.operating_points;
+    let largest = |of: fn(&Point) -> f64| points.iter().map(of).fold(0.0, f64::max);
+    near(&of("noise_rms"), noise_rms, largest(|point| point.noise_rms))?;
+    let beta = points.iter().map(|point| point.beta).fold(f64::INFINITY, f64::min);
+    near(&of("frozen.beta"), frozen.beta, beta)?;
+    // Of several bands, each is at its worst at a point of its own.
+    at_most(&of("operating_points: gamma"), largest(|point| point.gamma), frozen.gamma)?;
+    let limit = points.iter().filter_map(|point| point.limit).reduce(f64::min);
+    same(&of("limit"), &performance.limit, &limit)?;
+    for (index, point) in points.iter().enumerate() {
+        let ratio = point.beta * smallest_fault / (point.gamma * bound).hypot(point.noise_rms);
+        let key = of(&format!("operating_points[{index}].detection_ratio"));
+        near(&key, point.detection_ratio, ratio)?;
+    }
+
+    let others = &performance.other_faults;
+    same(&of("other_faults: their number"), &others.len(), &(spec.fault.len() - 1))?;
+    for (index, (other, fault)) in others.iter().zip(&spec.fault[1..]).enumerate() {
+        let of = |key: &str| of(&format!("other_faults[{index}].{key}"));
+        same(&of("fault"), &other.fault, fault)?;
+        figures(&of("frozen"), &other.frozen, smallest(fault), bound)?;
+        let ratio = detection_ratio(&other.frozen, noise_rms, smallest(fault), bound);
+        near(&of("detection_ratio"), other.detection_ratio, ratio)?;
+    }
+
+    for (i, (stored, n)) in
+        performance.spectral_radii.iter().zip(&design.detector.gains.n).enumerate()
+    {
+        let key = of(&format!("spectral_radii[{i}]"));
+        within(&key, *stored, spectral_radius(n), RADIUS_ROUNDING)?;
+    }
+    Ok(())
+}
+
+/// Frozen figures among themselves.
+fn figures(key: &str, frozen: &Frozen, smallest_fault: f64, bound: f64) -> Result<(), Refusal> {
+    let gap = frozen.beta * smallest_fault / (frozen.gamma * bound);
+    near(&format!("{key}.gap"), frozen.gap, gap)?;
+    at_most(&format!("{key}.beta_at_least"), frozen.beta_at_least, frozen.beta)?;
+    at_most(&format!("{key}.gamma"), frozen.gamma, frozen.gamma_at_most)
+}
+
+/// `beta x smallest fault / sqrt((gamma x bound)^2 + noise_rms^2)`.
+fn detection_ratio(frozen: &Frozen, noise_rms: f64, smallest_fault: f64, bound: f64) -> f64 {
+    frozen.beta * smallest_fault / (frozen.gamma * bound).hypot(noise_rms)
+}
+
+/// The certified figures among themselves and against the frozen ones.
+fn certified(design: &Design) -> Result<(), Refusal> {
+    if let Some(claimed) = &design.performance.certified {
+        let (frozen, spec) = (&design.performance.frozen, &design.spec);
+        let bound = spec.disturbance[0].bound();
+        let gap = claimed.beta * smallest(&spec.fault[0]) / (claimed.gamma * bound);
+        near("performance.certified.gap", claimed.gap, gap)?;
+        // A proof covers every operating point.
+        at_most("performance.certified.beta", claimed.beta, frozen.beta)?;
+        at_most("performance.frozen.gamma", frozen.gamma, claimed.gamma)?;
+    }
+    Ok(())
+}
+
+/// The largest magnitude of an eigenvalue: `||N^(2^k)||^(1 / 2^k)`.
+fn spectral_radius(n: &Rows3) -> f64 {
+    let norm = |x: &Rows3| x.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let mut power = *n;
+    let mut logarithm = 0.0;
+    for k in 0..SQUARINGS {
+        let size = norm(&power);
+        if size == 0.0 {
+            return 0.0;
+        }
+        logarithm += size.ln() / 2_f64.powi(k);
+        let x = power.map(|row| row.map(|x| x / size));
+        power =
+            x.map(|row| std::array::from_fn(|column| (0..3).map(|j| row[j] * x[j][column]).sum()));
+    }
+    logarithm.exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spectral_radius_is_that_of_the_eigenvalues() {
+        // Eigenvalues 0.5 and 0.9 exp(+-j); then three times 0.5, defective.
+        let (c, s) = (0.9 * 1_f64.cos(), 0.9 * 1_f64.sin());
+        for (n, radius) in [
+            ([[c, s, 3.0], [-s, c, -2.0], [0.0, 0.0, 0.5]], 0.9),
+            ([[0.5, 100.0, 0.0], [0.0, 0.5, 100.0], [0.0, 0.0, 0.5]], 0.5),
+            ([[0.0; 3]; 3], 0.0),
+        ] {
+            assert!((spectral_radius(&n) - radius).abs() < 1e-12, "{n:?}");
+        }
+    }
+}
