@@ -5,6 +5,7 @@ mod campaign;
 mod check;
 mod design;
 mod detection_table;
+mod diagnostic;
 pub mod failure;
 mod input;
 mod main_job;

@@ -34,9 +34,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
     }
     let scenario = match &arguments.scenario {
         None => Scenario::default(),
-        Some(path) => {
-            Scenario::read(path).map_err(|error| Failure::from(error).at(path.display()))?
-        }
+        Some(path) => input::scenario(path)?,
     };
     let progress = Progress::new();
     let folder = tempfile::tempdir()
