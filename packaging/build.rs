@@ -11,10 +11,14 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+#[path = "../modelDescription/src/names.rs"]
+#[allow(dead_code, reason = "the files of the FMUs are named elsewhere")]
+mod names;
+
 /// Package of the shared library, its name, and the variable that carries its path to the crate.
 const RUNTIMES: [(&str, &str, &str); 2] = [
-    ("steerguard-fmu-cdylib", "SteeringFaultDetector", "STEERGUARD_DETECTOR_RUNTIME"),
-    ("steerguard-plant-cdylib", "VehiclePlant", "STEERGUARD_PLANT_RUNTIME"),
+    ("steerguard-fmu-cdylib", names::DETECTOR, "STEERGUARD_DETECTOR_RUNTIME"),
+    ("steerguard-plant-cdylib", names::PLANT, "STEERGUARD_PLANT_RUNTIME"),
 ];
 
 /// What the runtimes are built from, relative to the workspace.

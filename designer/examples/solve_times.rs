@@ -13,7 +13,7 @@ use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::Theorem4;
 
 /// Lateral and yaw acceleration of each disturbance, at a bound of 1: the first two are those of S1
-/// (METHOD.md 7).
+/// (method 7).
 const DIRECTIONS: [[f64; 2]; 5] = [[0.5, 0.0], [0.0, 0.1], [0.3, 0.06], [0.3, -0.06], [0.1, 0.08]];
 /// Upper ends of bands, Hz.
 const BANDS: [f64; 5] = [1.5, 1.25, 1.0, 0.75, 0.5];

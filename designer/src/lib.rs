@@ -6,7 +6,7 @@
 //! # Conventions
 //! - Those of [`steerguard_detector`]: axes, SI units, state, measurement, input, rules' order.
 //! - Numbers in brackets are equations of Wang et al., IFAC CESCIT 2021,
-//!   doi 10.1016/j.ifacol.2021.10.033; "corrected" and METHOD.md refer to `designer/METHOD.md`.
+//!   doi 10.1016/j.ifacol.2021.10.033; "corrected" and "method N" refer to `docs/method`.
 //! - beta is the smallest gain from fault to residual over the fault's band, gamma the largest from
 //!   disturbance to residual over the disturbance's.
 

@@ -1,5 +1,5 @@
 //! Steering actuator: what becomes of a commanded angle before it stands at the road wheel
-//! (METHOD.md 2).
+//! (method 2).
 //!
 //! # Conventions
 //! - Command u, held from sample to sample; angle x: dead time first, then a lag whose speed is

@@ -346,7 +346,7 @@ impl Detector {
         state.z = self.observer.advance(&h, &n, state.z, y, u, x_hat.v_y_m_per_s);
 
         let evaluation = &self.evaluation;
-        // (10), less what Euler's remainder makes of it: METHOD.md 6.
+        // (10), less what Euler's remainder makes of it: method 6.
         let [v_x, _, r] = state.responses.remainder;
         let residual = Measurement {
             v_x_m_per_s: y.v_x_m_per_s - x_hat.v_x_m_per_s - v_x,

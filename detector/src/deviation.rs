@@ -5,7 +5,7 @@
 //!   `e+ = N(h) e + M w` (13), to first order in e: a response is that e, 3 x 1.
 //! - Three kinds: Euler's remainder, known and taken out of the residual; uncertainties, known by
 //!   their bounds, which raise the threshold; the smallest fault of interest, which says what the
-//!   threshold still lets through. METHOD.md 6.
+//!   threshold still lets through. method 6.
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};

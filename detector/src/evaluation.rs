@@ -1,4 +1,4 @@
-//! Residual evaluation: windowed RMS, and the threshold's start-up term (METHOD.md 6).
+//! Residual evaluation: windowed RMS, and the threshold's start-up term (method 6).
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};

@@ -14,7 +14,7 @@
 //! - Matrices are arrays of rows.
 //! - Only `+ - * /` and `sqrt`, in a fixed order: results are bit-identical on every platform.
 //! - Numbers in brackets are equations of Wang et al., IFAC CESCIT 2021,
-//!   doi 10.1016/j.ifacol.2021.10.033; "corrected" refers to `designer/METHOD.md`.
+//!   doi 10.1016/j.ifacol.2021.10.033; "corrected" and "method N" refer to `docs/method`.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,7 +1,7 @@
 //! Takagi-Sugeno model with nonlinear consequents (N-TS), discretised by Euler: (5)-(8), corrected.
 //!
 //! `x+ = A(h) x + B u + g(xi) + G phi(x)`, `phi(x) = v_y^2`, premise variables `xi = (1/v_x, r)`.
-//! Built from (1)-(3), not from the misprinted (5): METHOD.md 1.
+//! Built from (1)-(3), not from the misprinted (5): method 1.
 //!
 //! # Conventions
 //! Rule order: (v_x min, r min), (v_x min, r max), (v_x max, r min), (v_x max, r max).

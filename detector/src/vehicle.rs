@@ -15,7 +15,7 @@ pub struct Vehicle {
     /// I_z, kg m^2.
     pub yaw_inertia_kg_m2: f64,
     /// I_e, kg m: mass times effective wheel radius, so that T_eng / I_e is an acceleration
-    /// (the paper's "kg m^2" is corrected: METHOD.md 1).
+    /// (the paper's "kg m^2" is corrected: method 1).
     pub effective_longitudinal_inertia_kg_m: f64,
     /// l_f, m: centre of gravity to front axle.
     pub front_axle_distance_m: f64,

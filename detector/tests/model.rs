@@ -55,7 +55,7 @@ proptest! {
         prop_assert!((h.iter().sum::<f64>() - 1.0).abs() < 1e-14);
     }
 
-    /// (7) is (3) by Euler's rule, rewritten: METHOD.md 2.
+    /// (7) is (3) by Euler's rule, rewritten: method 2.
     #[test]
     fn blend_equals_the_nonlinear_euler_step(
         v_x in 5.0..=30.0, v_y in -1.5..=1.5, r in -0.55..=0.55,

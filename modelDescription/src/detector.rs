@@ -4,12 +4,13 @@
 //! - Axes ISO 8855: x forward, y left, yaw rate counter-clockwise; steering angle at the road wheel.
 //! - Outputs and locals hold the results of the last sample run and change in `fmi2DoStep` only.
 
-use crate::{EnumerationItem, EnumerationType, Kind, ModelInfo, Role, unit, variables};
+use crate::names::DETECTOR;
+use crate::{Kind, ModelInfo, Role, enumeration, unit, variables};
 
 /// The model as a whole.
 pub const INFO: ModelInfo = ModelInfo {
-    name: "SteeringFaultDetector",
-    identifier: "SteeringFaultDetector",
+    name: DETECTOR,
+    identifier: DETECTOR,
     description: "Detects steering faults from speed, yaw rate, drive torque and steering angle: \
                   a Takagi-Sugeno observer whose residual is held against a threshold.",
 };
@@ -17,39 +18,23 @@ pub const INFO: ModelInfo = ModelInfo {
 /// First alarm time before any alarm, s.
 pub const NO_ALARM_TIME: f64 = -1.0;
 
-/// Type of the output `state`.
-pub const STATE: EnumerationType = EnumerationType {
-    name: "DetectorState",
-    description: "Which condition holds at the last sample",
-    items: &[
-        EnumerationItem { name: "Starting", description: "No sample yet" },
-        EnumerationItem { name: "Monitoring", description: "Residual, J and alarm are valid" },
-        EnumerationItem {
-            name: "OutOfRange",
-            description: "Outside the range of the design: the alarm is withheld",
-        },
-        EnumerationItem {
-            name: "InvalidInput",
-            description: "An input is not finite or implausibly large: the last results are held",
-        },
-    ],
-};
+enumeration! {
+    /// Items of the output `state`.
+    pub enum DetectorState: "DetectorState", "Which condition holds at the last sample" {
+        Starting, "No sample yet";
+        Monitoring, "Residual, J and alarm are valid";
+        OutOfRange, "Outside the range of the design: the alarm is withheld";
+        InvalidInput, "An input is not finite or implausibly large: the last results are held";
+    }
+}
 
-/// Type of the parameter `initialisation`.
-pub const INITIALISATION: EnumerationType = EnumerationType {
-    name: "Initialisation",
-    description: "How the observer starts at the first sample",
-    items: &[
-        EnumerationItem {
-            name: "FirstMeasurement",
-            description: "From the first measurement, lateral speed assumed zero",
-        },
-        EnumerationItem {
-            name: "Given",
-            description: "From the parameters z_0[1], z_0[2], z_0[3]",
-        },
-    ],
-};
+enumeration! {
+    /// Items of the parameter `initialisation`.
+    pub enum Initialisation: "Initialisation", "How the observer starts at the first sample" {
+        FirstMeasurement, "From the first measurement, lateral speed assumed zero";
+        Given, "From the parameters z_0[1], z_0[2], z_0[3]";
+    }
+}
 
 variables! {
     /// The variables of the detector.
@@ -75,7 +60,7 @@ variables! {
             Kind::real(&unit::ONE).min(0.0).nominal(0.001);
         Alarm, "alarm", "True while a steering fault is detected", Role::OUTPUT, Kind::Boolean;
         State, "state", "Which condition holds: alarms are given while Monitoring", Role::OUTPUT,
-            Kind::Enumeration(&STATE);
+            Kind::Enumeration(&DetectorState::TYPE);
 
         // Locals.
         LateralSpeed, "v_y_hat", "Estimated lateral speed, left positive", Role::LOCAL,
@@ -91,6 +76,11 @@ variables! {
         FirstAlarmTime, "first_alarm_time",
             "Sample time of the first alarm; -1 while alarm_latched is false", Role::LOCAL,
             Kind::real(&unit::SECOND).nominal(1.0);
+        // For importers that read no enumerations.
+        StateIndex, "state_index", "The value of state as an Integer", Role::LOCAL,
+            Kind::index_of(&DetectorState::TYPE);
+        InitialisationIndex, "initialisation_index", "The value of initialisation as an Integer",
+            Role::FIXED_LOCAL, Kind::index_of(&Initialisation::TYPE);
 
         // Parameters.
         ThresholdFactor, "threshold_factor", "Factor on J_th; 1 is the threshold of the design",
@@ -99,7 +89,7 @@ variables! {
             "Consecutive samples with J_rms at or above J_th that raise the alarm",
             Role::TUNABLE_PARAMETER, Kind::Integer { min: 1, max: 1_000_000 };
         Initialisation, "initialisation", "How the observer starts at the first sample",
-            Role::FIXED_PARAMETER, Kind::Enumeration(&INITIALISATION);
+            Role::FIXED_PARAMETER, Kind::Enumeration(&Initialisation::TYPE);
         InitialZ1, "z_0[1]", "Observer state z_1 at the first sample, if initialisation is Given",
             Role::FIXED_PARAMETER,
             Kind::real(&unit::METRE_PER_SECOND).min(-1e3).max(1e3).nominal(10.0);

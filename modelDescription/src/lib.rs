@@ -11,6 +11,7 @@
 #![cfg_attr(not(feature = "xml"), no_std)]
 
 pub mod detector;
+pub mod names;
 mod table;
 pub mod unit;
 #[cfg(feature = "xml")]

@@ -68,6 +68,9 @@ impl Role {
     /// Sampled local variable.
     pub const LOCAL: Self =
         Self::new(Causality::Local, Variability::Discrete, Some(Initial::Calculated));
+    /// Local variable that follows from parameters alone.
+    pub const FIXED_LOCAL: Self =
+        Self::new(Causality::Local, Variability::Fixed, Some(Initial::Calculated));
     /// Figure that is part of the binary.
     pub const CONSTANT: Self =
         Self::new(Causality::Local, Variability::Constant, Some(Initial::Exact));
@@ -139,6 +142,11 @@ impl Kind {
     /// Real in `unit`, without limits.
     pub const fn real(unit: &'static Unit) -> Self {
         Self::Real(RealKind { unit, min: None, max: None, nominal: None })
+    }
+
+    /// Integer that holds the values of an enumeration.
+    pub const fn index_of(enumeration: &EnumerationType) -> Self {
+        Self::Integer { min: 1, max: enumeration.items.len() as i32 }
     }
 
     /// The same with a lower limit; other types stay as they are.
@@ -333,6 +341,57 @@ macro_rules! variables {
 
             fn value_reference(self) -> u32 {
                 self as u32
+            }
+        }
+    };
+}
+
+/// Declares an enumeration that importers see: a fieldless `enum` and its [`EnumerationType`], whose
+/// items have the same names.
+///
+/// ```
+/// use steerguard_model_description::enumeration;
+///
+/// enumeration! {
+///     /// What a toy does.
+///     pub enum Mode: "Mode", "What the toy does" {
+///         Run, "Integrates";
+///         Rest, "Holds its output";
+///     }
+/// }
+/// assert_eq!((Mode::TYPE.items[1].name, Mode::Rest.value()), ("Rest", 2));
+/// ```
+#[macro_export]
+macro_rules! enumeration {
+    (
+        $(#[$attribute:meta])*
+        $visibility:vis enum $set:ident: $name:literal, $description:literal {
+            $($item:ident, $meaning:literal;)+
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[repr(u8)]
+        $visibility enum $set {
+            $(#[doc = concat!($meaning, ".")] $item,)+
+        }
+
+        impl $set {
+            /// All items in the order of their values.
+            $visibility const ALL: &'static [Self] = &[$(Self::$item),+];
+            /// The type as the description states it.
+            $visibility const TYPE: $crate::EnumerationType = $crate::EnumerationType {
+                name: $name,
+                description: $description,
+                items: &[$($crate::EnumerationItem {
+                    name: stringify!($item),
+                    description: $meaning,
+                }),+],
+            };
+
+            /// The value that stands for the item; the first is 1.
+            $visibility const fn value(self) -> i32 {
+                self as i32 + 1
             }
         }
     };

@@ -36,7 +36,7 @@ const PAPER: &str = r#"
 "#;
 const SPEED_M_PER_S: f64 = 8.0;
 const STEP_S: f64 = 0.01;
-/// METHOD.md 7: 0.3 g.
+/// method 7: 0.3 g.
 const TURN_IN_M_PER_S2: f64 = 0.3 * 9.81;
 const STEERING_RATE_RAD_PER_S: f64 = 0.3;
 /// When steering or fault begin, and the run ends, s.

@@ -16,6 +16,7 @@ use steerguard::check::check;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
+use steerguard_model_description::names;
 use steerguard_model_description::xml::Finding;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -26,7 +27,7 @@ static FMU: LazyLock<Vec<u8>> =
     LazyLock::new(|| detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap());
 
 static LIBRARY: LazyLock<String> =
-    LazyLock::new(|| Platform::HOST.unwrap().library_path("SteeringFaultDetector"));
+    LazyLock::new(|| Platform::HOST.unwrap().library_path(names::DETECTOR));
 
 fn findings(fmu: &[u8]) -> Vec<Finding> {
     check(Cursor::new(fmu), "X.fmu").unwrap()

@@ -18,7 +18,7 @@ use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Type;
 use steerguard::platform::Platform;
 use steerguard_fmi2::Function;
-use steerguard_model_description::xml;
+use steerguard_model_description::{names, xml};
 
 use fmu::open;
 
@@ -71,7 +71,7 @@ fn another_design_is_another_guid() {
 
 #[test]
 fn the_archive_holds_what_an_fmu_holds() {
-    for (fmu, identifier) in [(detector(), "SteeringFaultDetector"), (plant(), "VehiclePlant")] {
+    for (fmu, identifier) in [(detector(), names::DETECTOR), (plant(), names::PLANT)] {
         let zip = zip::ZipArchive::new(Cursor::new(&fmu)).unwrap();
         let names: Vec<_> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
         assert_eq!(
@@ -108,7 +108,7 @@ fn the_descriptions_have_no_finding() {
 #[test]
 #[cfg(target_os = "linux")]
 fn the_libraries_export_fmi2_and_need_next_to_nothing() {
-    for (fmu, identifier) in [(detector(), "SteeringFaultDetector"), (plant(), "VehiclePlant")] {
+    for (fmu, identifier) in [(detector(), names::DETECTOR), (plant(), names::PLANT)] {
         let library = entry(&fmu, &Platform::HOST.unwrap().library_path(identifier));
         assert!(library.len() < 100_000, "{identifier}: {} bytes", library.len());
         let text = String::from_utf8_lossy(&library);
@@ -166,7 +166,7 @@ fn an_unbaked_library_is_refused_with_a_reason() {
         steerguard::fmu::archive::Archive::new(entry(&detector(), "modelDescription.xml"));
     let platform = Platform::HOST.unwrap();
     let library = Runtimes::detector().0.remove(&platform).unwrap();
-    archive.insert(platform.library_path("SteeringFaultDetector"), library);
+    archive.insert(platform.library_path(names::DETECTOR), library);
     let error = open(&archive.to_bytes().unwrap()).instantiate("unbaked").err().unwrap();
     assert!(error.to_string().contains("no design is baked"), "{error}");
 }

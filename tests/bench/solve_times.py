@@ -3,7 +3,7 @@
     python tests/bench/solve_times.py [ROUNDS]
 
 Needs numpy, cvxpy with clarabel, and matplotlib. Both sides minimise gamma at 0.97 of the bound on
-beta, METHOD.md 4, in turn: what else the machine does meets both alike. Both use the solver
+beta, method 4, in turn: what else the machine does meets both alike. Both use the solver
 Clarabel. Counted is all from the problem's data to its gains: on this side assembly and solver, on
 the other building the expressions, canonicalisation and solver. Ends with an error where the optima
 differ or the ratio is below FASTER. Then draws how the designer's time grows with the problem:

@@ -74,7 +74,7 @@ def records(file, groups):
 
 
 def start_up(evaluation, armed):
-    """The start-up term of J_th, T x D (METHOD.md 6); 0 while not armed."""
+    """The start-up term of J_th, T x D (method 6); 0 while not armed."""
     samples = 1 + np.arange(len(armed))[:, None]
     since = samples - np.maximum.accumulate(np.where(armed, 0, samples))  # samples, this one too
     window = evaluation["window"]

@@ -1,7 +1,7 @@
 """An extended Kalman filter of the single-track model, and the two tests on its innovation.
 
 Conventions
-- Model: (1)-(2) of designer/METHOD.md 1, of the vehicle that the design knows, with the input
+- Model: (1)-(2) of method 1, of the vehicle that the design knows, with the input
   held over a sampling period. State x = [v_x, v_y, r], input u = [T_eng, delta], measurement
   y = [v_x, r]; SI units.
 - All drives at once: arrays have a leading axis for the drives (D), records one before it for the

@@ -1,6 +1,6 @@
 """The detector once more, from its equations, in numpy.
 
-An independent statement of designer/METHOD.md 2, 3 and 6, which the packaged FMU is compared with.
+An independent statement of method 2, 3 and 6, which the packaged FMU is compared with.
 Its numbers come from a design file, so a design file that does not mean what it says is found too.
 
 Conventions
@@ -66,7 +66,7 @@ class Outputs:
 
 
 def windowed_rms(norms, window):
-    """RMS over the last `window` of `norms`; samples before the first count 0 (METHOD.md 6)."""
+    """RMS over the last `window` of `norms`; samples before the first count 0 (method 6)."""
     squares = np.concatenate([np.zeros(window - 1), np.square(norms)])
     windows = np.lib.stride_tricks.sliding_window_view(squares, window)
     return np.sqrt(windows.mean(axis=1))
@@ -74,7 +74,7 @@ def windowed_rms(norms, window):
 
 @dataclass
 class Uncertainty:
-    """Bounds of `spec.uncertainty`: relative deviations, bank in m/s^2, gusts (METHOD.md 6)."""
+    """Bounds of `spec.uncertainty`: relative deviations, bank in m/s^2, gusts (method 6)."""
 
     mass: float
     yaw_inertia: float
@@ -175,7 +175,7 @@ class Reference:
         return np.prod(np.where(self.corners, share, 1 - share), axis=1)
 
     def consequent(self, y):
-        """g(xi) of (5), corrected (METHOD.md 1)."""
+        """g(xi) of (5), corrected (method 1)."""
         v_x, r = y
         return self.period * np.array(
             [

@@ -1,4 +1,4 @@
-"""The scenario of designer/METHOD.md 7 (the paper's Fig. 1): plant and detector as two FMUs.
+"""The scenario of method 7 (the paper's Fig. 1): plant and detector as two FMUs.
 
 Conventions
 - At each communication point the detector gets the plant's outputs and the commanded input, then

@@ -66,7 +66,7 @@ def test_blend_is_the_euler_step_of_the_nonlinear_model(reference, states):
 
 
 def test_estimate_follows_the_model_it_is_built_on(reference, states):
-    """Error dynamics of METHOD.md 3: e+ = (N(h) + M G rho) e without fault and disturbance."""
+    """Error dynamics of method 3: e+ = (N(h) + M G rho) e without fault and disturbance."""
     d = reference
     rng = np.random.default_rng(42)
     for x, u in states[:200]:

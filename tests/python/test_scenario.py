@@ -1,4 +1,4 @@
-"""The scenario of designer/METHOD.md 7: plant and detector as two FMUs, driven by fmpy."""
+"""The scenario of method 7: plant and detector as two FMUs, driven by fmpy."""
 
 import functools
 

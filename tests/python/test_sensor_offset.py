@@ -1,4 +1,4 @@
-"""A constant offset of a sensor shows in the residual as the analysis of designer/METHOD.md 5 says.
+"""A constant offset of a sensor shows in the residual as the analysis of method 5 says.
 
 The offset enters by the injection, by E y, and by the measured premise (K). Without K the analysis
 would predict no residual at all, which is tested too.

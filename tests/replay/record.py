@@ -21,7 +21,7 @@ SUBSTEPS = 8
 
 
 class Car:
-    """The nonlinear vehicle (1)-(3) of METHOD.md 1 with linear tyres, on RK4."""
+    """The nonlinear vehicle (1)-(3) of method 1 with linear tyres, on RK4."""
 
     def __init__(self, model, v_x):
         self.data = model["vehicle"]

@@ -1,4 +1,4 @@
-//! Certified gains of given error dynamics: what the gains are worth, a posteriori (METHOD.md 5.3).
+//! Certified gains of given error dynamics: what the gains are worth, a posteriori (method 5.3).
 //!
 //! Where Theorem 4 ties its multiplier to the gains, here the gains are numbers and the multipliers
 //! X_jk are free. For the error dynamics `e+ = N_i(rho) e + B_i w`, `W_r r = W_r C e + D_r w`, with w

@@ -107,7 +107,7 @@ pub fn frozen(points: &[OperatingPoint], gains: &Gains, inputs: &Inputs) -> Froz
 }
 
 /// The fault's residual against that of disturbances and noise together:
-/// `beta x smallest fault / sqrt((gamma x bound)^2 + noise_rms^2)` (METHOD.md 5).
+/// `beta x smallest fault / sqrt((gamma x bound)^2 + noise_rms^2)` (method 5).
 pub fn detection_ratio(beta: f64, gamma: f64, noise_rms: f64, inputs: &Inputs) -> f64 {
     beta * inputs.smallest_fault / (gamma * inputs.bound).hypot(noise_rms)
 }
@@ -137,7 +137,7 @@ pub(crate) fn discrete_lyapunov(n: &Matrix3<f64>, y: &Matrix3<f64>) -> Option<Ma
 /// The gap that no residual generator exceeds at this operating point:
 /// `sqrt(Gf* (Gd Gd*)^-1 Gf)`, the smallest over the fault's band, Gd of the disturbances and
 /// bounded noise active at that frequency, every channel in units of smallest fault and bound
-/// (METHOD.md 5.1), its pseudo-inverse where it is singular. None: unbounded, at every frequency the
+/// (method 5.1), its pseudo-inverse where it is singular. None: unbounded, at every frequency the
 /// fault reaches a direction of the residual that no disturbance reaches.
 pub fn limit(point: &OperatingPoint, inputs: &Inputs) -> Option<f64> {
     // All residual generators have the same limit, so any does to take it by. That of an observer

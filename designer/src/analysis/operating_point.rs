@@ -1,7 +1,7 @@
 //! The error dynamics at constant operating points.
 //!
 //! At constant v_x, v_y, r, with sensor noise v, the error `e' = x - x^ - E D_y v` obeys
-//! (METHOD.md 5)
+//! (method 5)
 //!
 //! ```text
 //! e'+ = N e' + M D d + M F f + (-L + M G rho E - M K) D_y v,   N = N(h) + M G rho [0 1 0]

@@ -1,5 +1,5 @@
 //! Start-up of the residual: a bound `||W_r r_j|| <= amplitude tau^j` for given gains
-//! (METHOD.md 6).
+//! (method 6).
 //!
 //! The observer starts at `z_0 = M [v_x, 0, r]`, so the error starts at `e_0 = [0, v_y, 0]` and obeys
 //! `e+ = N_i(rho) e`. Matrices P_i with

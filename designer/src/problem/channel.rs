@@ -2,7 +2,7 @@
 //!
 //! With `y = C x + D_y v` the noise v enters by the injection, by `E y`, and by the measured
 //! premise: `A(xi) x + g(xi)` changes by `K D_y v` with `K = d[A(xi) x + g(xi)] / dy`, 3 x 2
-//! (METHOD.md 5).
+//! (method 5).
 //!
 //! # Conventions
 //! - K is taken at the true v_x, v_y, r of a point; between a true and a measured premise it is a
@@ -142,7 +142,7 @@ pub fn speed_memberships(model: &TsModel, v_x_noise: f64) -> [[f64; 2]; 4] {
     })
 }
 
-/// METHOD.md 5, K.
+/// method 5, K.
 fn k(model: &TsModel, speed: OfSpeed, v_y: f64, r: f64) -> Matrix {
     let v = &model.vehicle;
     let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);

@@ -1,6 +1,6 @@
 //! Theorem 4: stability (33), disturbance attenuation (31) and fault sensitivity (32) of the
 //! observer's error as linear matrix inequalities, corrected and written as Finsler forms
-//! (METHOD.md 4).
+//! (method 4).
 //!
 //! The error `e = x - x^` of the observer obeys `e+ = N_i(rho) e + M D d + M F f`, `r = C e`, with
 //! `N_i(rho) = N_i + M G rho` and rho the slope of phi between x and x^ (15). With a multiplier Y,
@@ -19,7 +19,7 @@
 //! the numbers of given gains. The formulas are the same. C'C stands for the weighted residual's
 //! `C' W_r^2 C`.
 //!
-//! Bounded sensor noise v extends (31), whose inputs become `(d, v, v+)`, after METHOD.md 5:
+//! Bounded sensor noise v extends (31), whose inputs become `(d, v, v+)`, after method 5:
 //! `e+ = N_i(rho) e + M D d - (H_i + M K) D_y v + E D_y v+`, `r = C e + D_y v`. Both v and v+ count
 //! half in gamma^2, which adds up to `gamma^2 ||v||^2`. Disturbances of several bands have a (31)
 //! each, with a gamma of its own; gamma^2 of all is the sum.
@@ -159,7 +159,7 @@ impl Theorem4 {
     }
 
     /// The largest beta that (32) can ever attain, whatever the vehicle, D or gamma:
-    /// `min over the fault band of sigma_min(W_r C V') / |alpha_f + exp(jw)|` (METHOD.md 4).
+    /// `min over the fault band of sigma_min(W_r C V') / |alpha_f + exp(jw)|` (method 4).
     pub fn beta_bound(&self) -> f64 {
         let sensitivity = (self.w_r() * &self.c * self.v.transpose()).singular_values().min();
         // |alpha + exp(jw)|^2 = alpha^2 + 2 alpha cos(w) + 1 is monotonic over the band.

@@ -1,5 +1,5 @@
 //! Threshold kind "guaranteed": a bound on J for every fault-free behaviour whose disturbances and
-//! sensor noise stay within their bounds at every sample (METHOD.md 6).
+//! sensor noise stay within their bounds at every sample (method 6).
 //!
 //! One input w at a time, `|w| <= 1` in units of its bound; by superposition the bounds of all add
 //! up. For the error dynamics `e+ = S (e, w)`, `W_r r = W_r C e + D_r w` find P_i, V_i > 0 for every

@@ -4,7 +4,7 @@
 //! J_th(k) = threshold + start-up term(k) + share RMS_window( sum_j ||W_r C e_j(k)|| )
 //! ```
 //!
-//! with e_j the error's response to uncertainty j at its bound: METHOD.md 6.
+//! with e_j the error's response to uncertainty j at its bound: method 6.
 
 pub mod calibration;
 pub mod guaranteed;

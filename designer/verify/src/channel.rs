@@ -60,17 +60,15 @@ pub struct Channels {
 impl Channels {
     /// From the specification inside the file.
     pub fn new(design: &Design) -> Result<Self, Refusal> {
-        let (f, d) = (design.f()?, design.d()?);
+        let d = design.d()?;
         let period = design.detector.model.sampling_period_s;
-        let (smallest, unit, band_hz) = match design.spec.fault[0] {
-            Fault::Steering { smallest_deg, band_hz } => {
+        let (smallest, unit) = match design.spec.fault[0] {
+            Fault::Steering { smallest_deg, .. } => {
                 let [pi, _] = pi();
-                (smallest_deg, pi / whole(180), band_hz)
+                (smallest_deg, pi / whole(180))
             }
-            Fault::Torque { smallest_n_m, band_hz } => (smallest_n_m, whole(1), band_hz),
+            Fault::Torque { smallest_n_m, .. } => (smallest_n_m, whole(1)),
         };
-        let mut fault = Channel::empty(Band::new(band_hz, period)?);
-        fault.direction = f.column(0);
 
         let mut disturbances = Vec::new();
         let first = positive("spec.disturbance[0]: bound", design.spec.disturbance[0].bound())?;
@@ -91,11 +89,18 @@ impl Channels {
             block.names.push(format!("noise of {sensor} ({bound})"));
         }
         Ok(Self {
-            fault,
+            fault: Self::fault(design, 0)?,
             disturbances,
             smallest_fault: positive("spec.fault[0]: smallest", smallest)? * unit,
             bound: first,
         })
+    }
+
+    /// A fault by itself, per rad or N m.
+    pub fn fault(design: &Design, index: usize) -> Result<Channel, Refusal> {
+        let period = design.detector.model.sampling_period_s;
+        let band = Band::new(design.spec.fault[index].band_hz(), period)?;
+        Ok(Channel { direction: design.f()?.column(index), ..Channel::empty(band) })
     }
 }
 

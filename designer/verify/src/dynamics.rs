@@ -1,7 +1,7 @@
 //! The error dynamics of the stored gains.
 //!
 //! With bounded sensor noise v in `y = C x + D_y v`, the error `e = x - x^ - E D_y v` obeys
-//! (METHOD.md 5)
+//! (method 5)
 //!
 //! ```text
 //! e+    = N(h, rho) e + M D d + M F f + (-L(h) + M G rho [0 1 0] E - M K) D_y v

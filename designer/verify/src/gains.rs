@@ -1,4 +1,4 @@
-//! The gains: beta of the fault, gamma of the disturbances (METHOD.md 5.3).
+//! The gains: beta of the fault, gamma of the disturbances (method 5.3).
 
 use crate::band::Band;
 use crate::channel::Channel;

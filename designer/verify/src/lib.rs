@@ -6,12 +6,12 @@
 //!
 //! # What is proven
 //! For x, x^ and the measured premise in S_x, the error of the stored gains obeys
-//! `e+ = N(h, rho) e + B w`, `W_r r = W_r C e + D_r w` (METHOD.md 3 and 5), with w the fault or
+//! `e+ = N(h, rho) e + B w`, `W_r r = W_r C e + D_r w` (method 3 and 5), with w the fault or
 //! the disturbances and bounded sensor noise of a band. Matrices stored in the file prove, see
 //! [`Family`]: its decay; the smallest gain beta from the first fault and the largest gain gamma
-//! from each band of the disturbances among errors as slow as the band (METHOD.md 5.3); gamma of
+//! from each band of the disturbances among errors as slow as the band (method 5.3); gamma of
 //! all disturbances for all frequencies; the bound on the residual after a start; and, where the
-//! threshold is guaranteed, the bound on J (METHOD.md 6). How the gains were found plays no part.
+//! threshold is guaranteed, the bound on J (method 6). How the gains were found plays no part.
 //!
 //! # What is recomputed
 //! The model and the section `detector`, which is all that is baked, from specification and constants;
@@ -22,7 +22,7 @@
 //! # Conventions
 //! - i, j: rules of this sample; k: rule of the next; rho: one of its two extremes; the weighted residual is
 //!   `W_r r`, `W_r = diag(evaluation.weights)`.
-//! - METHOD.md is `designer/METHOD.md`.
+//! - "method N" is chapter N of `docs/method`.
 
 #![forbid(unsafe_code)]
 
@@ -35,6 +35,7 @@ mod dynamics;
 mod exact;
 mod family;
 mod figures;
+mod frozen;
 mod gains;
 mod identity;
 mod model;
@@ -69,5 +70,6 @@ pub fn verify(design: &str) -> Result<Verdict, Refusal> {
     let residues = dynamics::residues(&design)?;
     let proof = proof::prove(&design)?;
     figures::check(&design)?;
+    frozen::check(&design)?;
     Verdict::new(&design, hash, residues, proof)
 }

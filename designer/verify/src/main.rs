@@ -1,5 +1,6 @@
 //! `steerguard-verify FILE`: proves a design file or says what is broken.
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use steerguard_verify::verify;
@@ -30,7 +31,8 @@ fn main() -> ExitCode {
     };
     match verify(&text) {
         Ok(verdict) => {
-            print!("{verdict}");
+            // Whoever closed the pipe has read enough.
+            let _ = write!(std::io::stdout(), "{verdict}");
             if verdict.is_certified() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
         Err(refusal) if refusal.is_unreadable() => {

@@ -1,7 +1,7 @@
 //! The model, recomputed from the vehicle data: what the file's A_i, B, G, D, D_y, F must agree with.
 //!
 //! From (1)-(3) of Wang et al., IFAC CESCIT 2021, doi 10.1016/j.ifacol.2021.10.033, discretised by
-//! Euler: see `designer/METHOD.md` 1 and 2.
+//! Euler: see method 1 and 2.
 
 use crate::agreement::same;
 use crate::band::pi;

@@ -1,4 +1,4 @@
-//! The bound on J of a guaranteed threshold (METHOD.md 6).
+//! The bound on J of a guaranteed threshold (method 6).
 //!
 //! For an input w, `|w| <= 1`, the first inequality of [`Family::Peak`] keeps the error in the set
 //! `e' P_h e <= 1`, where its start lies. Along its course the second one sums up over the window of

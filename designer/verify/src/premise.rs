@@ -1,4 +1,4 @@
-//! What sensor noise does by the measured premise (METHOD.md 5).
+//! What sensor noise does by the measured premise (method 5).
 //!
 //! With `y = C x + D_y v` the observer evaluates `A(xi) x + g(xi)` at the measured instead of the
 //! true premise. By the mean value theorem the difference is `K D_y v`, where K is the mean of
@@ -50,6 +50,17 @@ pub fn vertices(design: &Design) -> Vec<Matrix> {
     vertices
 }
 
+/// K at `[v_x, v_y, r]`.
+pub fn at(design: &Design, state: [f64; 3]) -> Matrix {
+    let [v_x, v_y, r] = state.map(exact);
+    derivative(&Coefficients::new(design), &of_speed(&v_x), &v_y, &r)
+}
+
+fn of_speed(v_x: &Rational) -> OfSpeed {
+    let s = v_x.recip();
+    [v_x.clone(), s.clone(), &s * &s]
+}
+
 /// Points whose hull holds `(v_x, s, s^2)` on a range of speeds.
 fn control_points([slowest, fastest]: [f64; 2]) -> [OfSpeed; 4] {
     let [s_0, s_1] = [fastest, slowest].map(|v_x| exact(v_x).recip());
@@ -79,7 +90,7 @@ pub fn speed_memberships(design: &Design) -> [[Rational; 2]; 4] {
     })
 }
 
-/// `d[A(xi) x + g(xi)] / dy`, METHOD.md 5.
+/// `d[A(xi) x + g(xi)] / dy`, method 5.
 fn derivative(x: &Coefficients, [v_x, s, s_2]: &OfSpeed, v_y: &Rational, r: &Rational) -> Matrix {
     let [per_mass, per_inertia] = [&x.mass, &x.yaw_inertia].map(|inertia| &x.coupling / inertia);
     let rows = [
@@ -100,11 +111,6 @@ pub mod tests {
     pub fn design() -> Design {
         let text = include_str!("../tests/fixtures/noise.json");
         Design::read(text).map(|(design, _)| design).unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    fn of_speed(v_x: &Rational) -> OfSpeed {
-        let s = v_x.recip();
-        [v_x.clone(), s.clone(), &s * &s]
     }
 
     /// Weights of the Bernstein polynomials of degree three at t.

@@ -374,6 +374,9 @@ pub struct Frozen {
 /// The figures at an operating point.
 #[derive(Deserialize)]
 pub struct Point {
+    pub v_x_m_per_s: f64,
+    pub v_y_m_per_s: f64,
+    pub r_rad_per_s: f64,
     pub beta: f64,
     pub gamma: f64,
     pub noise_rms: f64,

@@ -19,6 +19,7 @@ mod course;
 mod fault;
 mod integration;
 mod random;
+mod road;
 mod sensor;
 mod steering;
 mod tyre;
@@ -28,6 +29,7 @@ mod wind;
 pub use course::{Course, Manoeuvre, Plan, steady_angle};
 pub use fault::{Fault, FaultKind};
 pub use random::Stream;
+pub use road::{GRAVITY_M_PER_S2, bank_m_per_s2};
 pub use sensor::{Readings, Sensor, Sensors};
 pub use steering::{MAX_DEAD_TIME_STEPS, Steering, SteeringState};
 pub use tyre::Tyres;
@@ -36,16 +38,8 @@ pub use wind::{CALM_S, GUST_S, Gusts, Wind};
 
 use steerguard_detector::{StateVector, VehicleState};
 
-/// Standard gravity, m/s^2 (CGPM 1901).
-pub const GRAVITY_M_PER_S2: f64 = 9.80665;
-
 /// Longest step that the vehicle is integrated by, s.
 pub const STEP_S: f64 = 1e-3;
-
-/// Acceleration to the left on a road banked by `bank_rad`, left side raised, m/s^2.
-pub fn bank_m_per_s2(bank_rad: f64) -> f64 {
-    -GRAVITY_M_PER_S2 * libm::sin(bank_rad)
-}
 
 /// What is constant in a drive: vehicle, steering and road.
 #[derive(Clone, Copy, Debug, PartialEq)]

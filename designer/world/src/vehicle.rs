@@ -2,7 +2,8 @@
 
 use steerguard_detector::{StateVector, Vehicle, VehicleState};
 
-use crate::{GRAVITY_M_PER_S2, Tyres};
+use crate::Tyres;
+use crate::road::GRAVITY_M_PER_S2;
 
 /// Below this speed, m/s, slip angles are taken at this speed: 1/v_x has no meaning at standstill.
 const SLIP_SPEED_FLOOR_M_PER_S: f64 = 0.5;

@@ -2,14 +2,11 @@
 
 use steerguard_model_description::{Causality, Value, VariableSet};
 
-use crate::access::AccessRefusal;
+use crate::access::find;
 use crate::clock::{Clock, Step};
+use crate::derivatives::{InputDerivatives, MAX_INPUTS, MAX_ORDER};
+use crate::refusal::AccessRefusal;
 use crate::{Archive, Log, Model, Status};
-
-/// Most inputs a model may have.
-pub const MAX_INPUTS: usize = 16;
-/// Highest order of input derivatives.
-pub const MAX_ORDER: usize = 3;
 
 /// A model on its clock.
 #[derive(Clone)]
@@ -19,19 +16,6 @@ pub struct Run<M> {
     derivatives: InputDerivatives,
     /// The model.
     pub model: M,
-}
-
-/// Time derivatives of the inputs at the communication point, valid for the next step.
-#[derive(Clone, Copy)]
-struct InputDerivatives {
-    /// By value reference of the input, then by order less one.
-    orders: [[f64; MAX_ORDER]; MAX_INPUTS],
-    /// Whether any was set.
-    given: bool,
-}
-
-impl InputDerivatives {
-    const NONE: Self = Self { orders: [[0.0; MAX_ORDER]; MAX_INPUTS], given: false };
 }
 
 impl<M: Model> Run<M> {
@@ -47,20 +31,17 @@ impl<M: Model> Run<M> {
         if !(period > 0.0 && period.is_finite()) {
             return Err("the sample period baked into this library is not positive");
         }
-        Ok(Self { clock: Clock::new(0.0, None), derivatives: InputDerivatives::NONE, model })
+        Ok(Self { clock: Clock::ZERO, derivatives: InputDerivatives::NONE, model })
     }
 
     /// All fields, for saving and restoring.
     pub fn archive(&mut self, archive: &mut Archive<'_>) {
-        self.clock.archive(archive);
+        self.clock.archive(self.model.sample_period_s(), archive);
         archive.flag(&mut self.derivatives.given);
         for value in self.derivatives.orders.as_flattened_mut() {
             archive.real(value);
         }
         self.model.archive(archive);
-        // Or the next step would make up for them all.
-        let missed = self.clock.sample_before(self.clock.point, self.model.sample_period_s());
-        archive.require(missed.is_none());
     }
 
     /// Runs the samples of a step that the clock has accepted; the worst of their statuses.
@@ -100,7 +81,7 @@ impl<M: Model> Run<M> {
     ) -> Result<(), AccessRefusal<'static>> {
         let mut derivatives = self.derivatives;
         for (vr, order, value) in given {
-            let (_, row) = Self::find(vr)?;
+            let (_, row) = find::<M>(vr)?;
             if row.role.causality != Causality::Input {
                 return Err(AccessRefusal::NotAnInput(row));
             }
@@ -111,7 +92,7 @@ impl<M: Model> Run<M> {
             let index = order.checked_sub(1).and_then(|index| usize::try_from(index).ok());
             match orders.zip(index).and_then(|(orders, index)| orders.get_mut(index)) {
                 Some(place) => *place = value,
-                None => return Err(AccessRefusal::Order(order)),
+                None => return Err(AccessRefusal::Order { order, highest: MAX_ORDER }),
             }
             derivatives.given = true;
         }

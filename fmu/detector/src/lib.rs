@@ -9,6 +9,8 @@
 
 mod design;
 mod model;
+mod state;
 
 pub use design::{BakedDesign, DesignError};
 pub use model::DetectorModel;
+pub use state::state;

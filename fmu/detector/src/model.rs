@@ -7,15 +7,17 @@ use steerguard_detector::{
     Output, Responses, Rms, State, StateVector,
 };
 use steerguard_fmu_core::{Archive, Log, Model, Status};
-use steerguard_model_description::detector::{DetectorVariable as V, INFO, NO_ALARM_TIME};
+use steerguard_model_description::detector::{
+    DetectorVariable as V, INFO, Initialisation as Item, NO_ALARM_TIME,
+};
 use steerguard_model_description::{ModelInfo, Value};
 
-use crate::BakedDesign;
+use crate::{BakedDesign, state};
 
-/// `initialisation` from the first measurement, the item's value.
-const FIRST_MEASUREMENT: i32 = 1;
-/// `initialisation` from `z_0`, the item's value.
-const GIVEN: i32 = 2;
+/// Value of `initialisation` for a start from the first measurement.
+const FIRST_MEASUREMENT: i32 = Item::FirstMeasurement.value();
+/// Value of `initialisation` for a start from `z_0`.
+const GIVEN: i32 = Item::Given.value();
 
 /// The detector as an FMU model.
 #[derive(Clone)]
@@ -56,8 +58,8 @@ impl DetectorModel {
         if output.alarm != alarm_before {
             log.event(|text| {
                 text.str(if output.alarm { "alarm" } else { "alarm over" });
-                text.str(" at ").real(time_s).str(" s: J_rms = ").real(output.j_rms);
-                text.str(", J_th = ").real(output.j_th);
+                text.str(" at ").real(time_s).str(" s: J_rms = ").rounded(output.j_rms);
+                text.str(", J_th = ").rounded(output.j_th);
             });
         }
         if output.monitor == before {
@@ -129,14 +131,7 @@ impl Model for DetectorModel {
             V::Rms => output.j_rms,
             V::Threshold => output.j_th,
             V::Alarm => return Value::Boolean(output.alarm),
-            V::State => {
-                return Value::Integer(match output.monitor {
-                    Monitor::Starting => 1,
-                    Monitor::Monitoring => 2,
-                    Monitor::OutOfRange => 3,
-                    Monitor::InvalidInput => 4,
-                });
-            }
+            V::State | V::StateIndex => return Value::Integer(state(output.monitor).value()),
 
             V::LateralSpeed => output.v_y_hat,
             V::Ratio => output.j_rms / output.j_th,
@@ -147,7 +142,9 @@ impl Model for DetectorModel {
 
             V::ThresholdFactor => self.detector.threshold_factor(),
             V::DebounceSamples => return Value::Integer(self.detector.debounce_samples() as i32),
-            V::Initialisation => return Value::Integer(self.initialisation),
+            V::Initialisation | V::InitialisationIndex => {
+                return Value::Integer(self.initialisation);
+            }
             V::InitialZ1 => self.z_0[0],
             V::InitialZ2 => self.z_0[1],
             V::InitialZ3 => self.z_0[2],
@@ -226,6 +223,8 @@ impl Model for DetectorModel {
             | V::Excited
             | V::AlarmLatched
             | V::FirstAlarmTime
+            | V::StateIndex
+            | V::InitialisationIndex
             | V::DesignHash
             | V::DesignSamplePeriod
             | V::DesignCertified

@@ -5,7 +5,9 @@ use core::ffi::CStr;
 use steerguard_fmu_core::{Categories, Log, Logger, Memory, Text};
 use steerguard_model_description::LogCategory;
 
-use crate::types::{fmi2CallbackFunctions, fmi2Status, fmi2String};
+use crate::types::{
+    fmi2CallbackFunctions, fmi2ComponentEnvironment, fmi2Status, fmi2StepFinished, fmi2String,
+};
 
 /// Longest instance name, bytes; longer ones are shortened in messages.
 const NAME_CAPACITY: usize = 255;
@@ -31,6 +33,12 @@ impl Environment {
         let fmi2CallbackFunctions { allocateMemory, freeMemory, .. } = self.callbacks;
         // SAFETY: the importer gave the functions for this use, and they live as long as the instance.
         unsafe { Memory::of_importer(allocateMemory, freeMemory) }
+    }
+
+    /// What the importer wants to have called after a completed step, and with what.
+    pub(crate) fn step_finished(&self) -> Option<(fmi2StepFinished, fmi2ComponentEnvironment)> {
+        let fmi2CallbackFunctions { stepFinished, componentEnvironment, .. } = self.callbacks;
+        stepFinished.map(|tell| (tell, componentEnvironment))
     }
 
     /// The importer's log.

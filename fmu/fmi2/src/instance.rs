@@ -4,7 +4,7 @@
 use core::ffi::CStr;
 
 use steerguard_fmu_core::{
-    AccessRefusal, Archive, Categories, Clock, Guid, Model, Run, Text, saved_state,
+    AccessRefusal, Archive, Categories, Clock, Guid, Model, Run, Text, access, saved_state,
 };
 use steerguard_model_description::{LogCategory, Value};
 
@@ -75,22 +75,23 @@ impl<M: Model> Instance<M> {
         value: Value<'_>,
     ) -> Result<M::Variable, fmi2Status> {
         let initialised = self.machine.state == CallState::StepComplete;
-        Run::<M>::settable(vr, value, initialised).ok_or_else(|| {
-            self.refuse_access(function, Run::<M>::refusal_to_set(vr, value, initialised))
+        access::settable::<M>(vr, value, initialised).ok_or_else(|| {
+            self.refuse_access(function, access::refusal_to_set::<M>(vr, value, initialised))
         })
     }
 
     /// `fmi2SetupExperiment`.
     pub(crate) fn set_up(&mut self, start: f64, stop: Option<f64>) -> fmi2Status {
-        let ordered = stop.is_none_or(|stop| stop.is_finite() && stop >= start);
-        if !(start.is_finite() && ordered) {
-            return self.refuse(Function::fmi2SetupExperiment, |text| {
-                text.str("no run can last from ").real(start).str(" s to ");
-                text.real(stop.unwrap_or(f64::INFINITY)).str(" s");
-            });
+        let period = self.machine.run.model.sample_period_s();
+        match Clock::new(start, stop, period) {
+            Ok(clock) => {
+                self.machine.run.clock = clock;
+                fmi2Status::fmi2OK
+            }
+            Err(refusal) => self.refuse(Function::fmi2SetupExperiment, |text| {
+                refusal.describe(start, stop, period, text);
+            }),
         }
-        self.machine.run.clock = Clock::new(start, stop);
-        fmi2Status::fmi2OK
     }
 
     /// `fmi2ExitInitializationMode`.

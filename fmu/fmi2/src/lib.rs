@@ -24,7 +24,7 @@ mod tests;
 pub mod types;
 
 pub use call_sequence::{CallState, States};
-pub use functions::{FUNCTION_COUNT, Function};
+pub use functions::{FUNCTION_COUNT, Function, pointers};
 /// For [`export_fmi2!`], whose users need not depend on it.
 #[doc(hidden)]
 pub use steerguard_fmu_core as fmu_core;

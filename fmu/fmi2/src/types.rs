@@ -1,12 +1,10 @@
 //! The C types of `fmi2TypesPlatform.h` and `fmi2FunctionTypes.h`, for the exporting side and for
-//! importers alike. Function pointer types are in [`functions`].
+//! importers alike. Function pointer types are in [`pointers`](crate::pointers).
 #![allow(non_camel_case_types)]
 
 use core::ffi::{c_char, c_int, c_uint, c_void};
 
 use steerguard_fmu_core::Status;
-
-pub use crate::functions::pointers as functions;
 
 /// Instance of an FMU.
 pub type fmi2Component = *mut c_void;
@@ -117,7 +115,7 @@ pub struct fmi2CallbackFunctions {
     pub allocateMemory: Option<fmi2CallbackAllocateMemory>,
     /// Takes it back.
     pub freeMemory: Option<fmi2CallbackFreeMemory>,
-    /// Unused: steps are synchronous.
+    /// Called after a completed step, which is over by then.
     pub stepFinished: Option<fmi2StepFinished>,
     /// Passed back to the logger.
     pub componentEnvironment: fmi2ComponentEnvironment,

@@ -5,14 +5,15 @@
 //! - `vehicle.*` have the names that the detector gives its vehicle data, so that an importer can
 //!   copy them from one FMU to the other.
 
+use steerguard_model_description::names::PLANT;
 use steerguard_model_description::{
     Causality, Initial, Kind, ModelInfo, Role, Variability, unit, variables,
 };
 
 /// The model as a whole.
 pub const INFO: ModelInfo = ModelInfo {
-    name: "VehiclePlant",
-    identifier: "VehiclePlant",
+    name: PLANT,
+    identifier: PLANT,
     description: "Reference vehicle for the steering-fault detector: nonlinear two-degree-of-freedom \
                   dynamics with longitudinal speed, steering fault, disturbances and sensor errors.",
 };

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
-use super::CampaignError;
+use super::error::CampaignError;
 use super::table::{self, Row};
 use crate::output;
 

@@ -7,6 +7,7 @@
 //! - Drives are grouped in blocks of [`folder::BLOCK`]; a block is the unit of work and of storage.
 
 pub mod drive;
+mod error;
 pub mod fault;
 pub mod folder;
 pub mod gust;
@@ -23,17 +24,14 @@ pub mod table;
 pub mod wheel;
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 
-use parquet::errors::ParquetError;
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::drive::cosimulation::CosimulationError;
-use crate::output::OutputError;
 use drive::Drive;
+pub use error::CampaignError;
 use folder::Folder;
 use settings::Settings;
 use simulation::TestBench;
@@ -41,65 +39,6 @@ use table::Row;
 
 /// Value of the key `format` of `campaign.json`.
 const FORMAT: &str = "steerguard-campaign/1";
-
-/// Why a campaign has no result.
-#[derive(Debug, thiserror::Error)]
-pub enum CampaignError {
-    /// A drive ended early.
-    #[error("drive {index}: {source}")]
-    Drive {
-        /// Which drive.
-        index: u64,
-        /// Why.
-        source: Box<CosimulationError>,
-    },
-    /// The folder is in use for another campaign.
-    #[error("`{}` holds another campaign{differences}", folder.display())]
-    OtherCampaign {
-        /// The folder.
-        folder: PathBuf,
-        /// What differs, a line each.
-        differences: String,
-    },
-    /// A block cannot be used.
-    #[error("block `{}`: {reason}", path.display())]
-    Block {
-        /// Its file.
-        path: PathBuf,
-        /// Why not.
-        reason: String,
-    },
-    /// A file could not be read.
-    #[error("cannot read `{}`: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// JSON could not be made.
-    #[error("cannot write JSON: {0}")]
-    Json(#[from] serde_json::Error),
-    /// The table could not be made.
-    #[error("cannot make the table of results: {0}")]
-    Table(#[from] ParquetError),
-    /// A file could not be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The system gives no threads.
-    #[error("cannot start workers: {0}")]
-    Workers(#[from] rayon::ThreadPoolBuildError),
-}
-
-impl CampaignError {
-    fn drive(index: u64) -> impl FnOnce(CosimulationError) -> Self {
-        move |source| Self::Drive { index, source: Box::new(source) }
-    }
-
-    fn read(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
-        |source| Self::Read { path: path.to_owned(), source }
-    }
-}
 
 /// Everything that the results of a campaign depend on: the content of `campaign.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -10,12 +10,13 @@ use std::path::Path;
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use super::Manifest;
 use super::drive::Drive;
+use super::error::CampaignError;
 use super::record::{Kind, Value};
 use super::settings::Settings;
 use super::simulation::TestBench;
 use super::table::{Column, Table};
-use super::{CampaignError, Manifest};
 use crate::drive::cosimulation::Sample;
 use crate::output;
 

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use object::macho::{FatArch32, FatArch64};
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile};
-use object::{Architecture, BinaryFormat, FileKind, Object as _, ObjectSection as _};
+use object::{BinaryFormat, FileKind, Object as _, ObjectSection as _};
 use steerguard_fmi2::Function;
 use steerguard_fmu::BakedDesign;
 use steerguard_fmu_core::{BLOCK_SIZE, BakedError, baked};
@@ -14,30 +14,7 @@ use steerguard_model_description::detector::INFO as DETECTOR;
 use steerguard_model_description::xml::{Header, Implementation, digest};
 
 use super::{Contents, DESCRIPTION, Findings};
-
-/// Name of a folder in `binaries/`, extension and format of its libraries, and their processors.
-type Platform = (&'static str, &'static str, BinaryFormat, &'static [Architecture]);
-
-/// The platforms of FMI 2.0.4, section 2.3, and those of FMI 3.0, which 2.0 leaves free.
-const PLATFORMS: [Platform; 13] = {
-    use Architecture::{Aarch64, I386, X86_64};
-    use BinaryFormat::{Elf, MachO, Pe};
-    [
-        ("win32", "dll", Pe, &[I386]),
-        ("win64", "dll", Pe, &[X86_64]),
-        ("linux32", "so", Elf, &[I386]),
-        ("linux64", "so", Elf, &[X86_64]),
-        ("darwin32", "dylib", MachO, &[I386]),
-        ("darwin64", "dylib", MachO, &[X86_64, Aarch64]),
-        ("x86-windows", "dll", Pe, &[I386]),
-        ("x86_64-windows", "dll", Pe, &[X86_64]),
-        ("aarch64-windows", "dll", Pe, &[Aarch64]),
-        ("x86_64-linux", "so", Elf, &[X86_64]),
-        ("aarch64-linux", "so", Elf, &[Aarch64]),
-        ("x86_64-darwin", "dylib", MachO, &[X86_64]),
-        ("aarch64-darwin", "dylib", MachO, &[Aarch64]),
-    ]
-};
+use crate::platform::Platform;
 
 /// Functions for Co-Simulation alone.
 const CO_SIMULATION: [Function; 9] = [
@@ -97,7 +74,7 @@ pub(super) fn check(contents: &Contents, xml: &str, header: &Header, findings: &
         }
     }
     for folder in folders {
-        match PLATFORMS.iter().find(|(name, ..)| *name == folder) {
+        match Platform::of_folder(folder) {
             Some(platform) => libraries(contents, xml, header, platform, findings),
             None => {
                 let message = format!("binaries/{folder:?} is no platform that importers look for");
@@ -113,14 +90,13 @@ fn libraries(
     contents: &Contents,
     xml: &str,
     header: &Header,
-    platform: &Platform,
+    platform: Platform,
     findings: &mut Findings,
 ) {
-    let (folder, extension, ..) = platform;
     let identifiers: BTreeSet<&str> =
         header.implementations.iter().map(|i| i.model_identifier.as_str()).collect();
     for identifier in identifiers {
-        let path = format!("binaries/{folder}/{identifier}.{extension}");
+        let path = platform.library_path(identifier);
         if !contents.names.contains(&path) {
             let message = format!("no library for modelIdentifier {identifier:?}");
             let help =
@@ -143,7 +119,7 @@ struct Library<'a> {
 }
 
 impl Library<'_> {
-    fn check(&self, bytes: &[u8], platform: &Platform, findings: &mut Findings) {
+    fn check(&self, bytes: &[u8], platform: Platform, findings: &mut Findings) {
         match images(bytes) {
             Ok(images) => {
                 for image in images {
@@ -158,9 +134,9 @@ impl Library<'_> {
     }
 
     /// An object file; universal binaries of macOS have several.
-    fn image(&self, image: &object::File<'_>, platform: &Platform, findings: &mut Findings) {
-        let &(folder, _, format, architectures) = platform;
-        if image.format() != format || !architectures.contains(&image.architecture()) {
+    fn image(&self, image: &object::File<'_>, platform: Platform, findings: &mut Findings) {
+        let folder = platform.folder();
+        if !platform.accepts(image) {
             let (found, processor) = (image.format(), image.architecture());
             let message = format!("{found:?} for {processor:?} in the folder of {folder}");
             let help = "importers on this platform cannot load it";

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+use steerguard_model_description::names;
 
 use crate::campaign::Shard;
 use crate::campaign::settings::FaultMix;
@@ -101,7 +102,7 @@ pub struct PackageArguments {
     #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
     pub allow: Vec<Allowance>,
     /// FMU to write
-    #[arg(short, long, value_name = "FILE", default_value = "SteeringFaultDetector.fmu")]
+    #[arg(short, long, value_name = "FILE", default_value = names::DETECTOR_FILE)]
     pub output: PathBuf,
     /// Write the reference vehicle's FMU as well
     #[arg(long, value_name = "FILE")]

@@ -6,6 +6,7 @@ use std::time::Instant;
 use serde::Serialize;
 use steerguard_designer::spec::UncertaintyTable;
 use steerguard_designer::{Design, DesignStatus};
+use steerguard_model_description::names;
 
 use super::package::{self, caution};
 use super::{input, print, simulate};
@@ -109,8 +110,8 @@ fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> Uncert
 fn bench(design: &Design, settings: Settings) -> Result<(TestBench, Manifest), Failure> {
     let folder = tempfile::tempdir()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
-    let detector = folder.path().join("SteeringFaultDetector.fmu");
-    let plant = folder.path().join("VehiclePlant.fmu");
+    let detector = folder.path().join(names::DETECTOR_FILE);
+    let plant = folder.path().join(names::PLANT_FILE);
     package::detector(design, &Runtimes::detector(), &detector)?;
     package::plant(&plant)?;
     let read = |path| std::fs::read(path).map_err(Failure::bad);

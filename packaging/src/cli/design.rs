@@ -18,6 +18,7 @@ struct Outcome<'a> {
 }
 
 pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failure> {
+    input::apart(&arguments.spec, &arguments.output)?;
     let spec = input::spec(&arguments.spec)?;
     let design = {
         let progress = Progress::new();

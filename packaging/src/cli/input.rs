@@ -36,6 +36,17 @@ fn decoded(bytes: Vec<u8>) -> Result<String, Failure> {
     })
 }
 
+/// Refuses to write over what is read.
+pub(super) fn apart(input: &Path, output: &Path) -> Result<(), Failure> {
+    match (input.canonicalize(), output.canonicalize()) {
+        (Ok(read), Ok(written)) if read == written => {
+            Err(Failure::bad(format!("`{}` would be written over itself", input.display()))
+                .help("name another file (-o FILE)"))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn is_design(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }

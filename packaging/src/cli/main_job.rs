@@ -7,6 +7,8 @@ use steerguard_designer::Spec;
 
 use super::package::Packaged;
 use super::{design, input, package, print, simulate, verify};
+use steerguard_model_description::names;
+
 use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
@@ -46,8 +48,8 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
         return Err(Failure::no(proof.text()).at(design_file.display()));
     }
     progress.say("packaging");
-    let detector_file = folder.join("SteeringFaultDetector.fmu");
-    let plant_file = folder.join("VehiclePlant.fmu");
+    let detector_file = folder.join(names::DETECTOR_FILE);
+    let plant_file = folder.join(names::PLANT_FILE);
     let fmus = vec![
         package::detector(&designed, &Runtimes::detector(), &detector_file)?,
         package::plant(&plant_file)?,

@@ -32,6 +32,9 @@ struct Outcome {
 }
 
 pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Failure> {
+    for output in [Some(&arguments.output), arguments.plant.as_ref(), arguments.system.as_ref()] {
+        output.map_or(Ok(()), |output| input::apart(&arguments.design, output))?;
+    }
     let mut runtimes = Runtimes::detector();
     for (platform, file) in &arguments.runtime {
         runtimes.add(*platform, file).map_err(|error| {

@@ -6,6 +6,8 @@ use serde::Serialize;
 use steerguard_designer::Spec;
 
 use super::{input, package, print};
+use steerguard_model_description::names;
+
 use crate::cli::arguments::SimulateArguments;
 use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
@@ -39,7 +41,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
     let detector = match &arguments.detector {
         Some(path) => open(path)?,
         None => {
-            let path = folder.path().join("SteeringFaultDetector.fmu");
+            let path = folder.path().join(names::DETECTOR_FILE);
             let design = input::make(&Spec::default(), &progress)?;
             package::detector(&design, &Runtimes::detector(), &path)?;
             open(&path)?
@@ -48,7 +50,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
     let plant = match &arguments.plant {
         Some(path) => open(path)?,
         None => {
-            let path = folder.path().join("VehiclePlant.fmu");
+            let path = folder.path().join(names::PLANT_FILE);
             package::plant(&path)?;
             open(&path)?
         }

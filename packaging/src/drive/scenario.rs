@@ -150,7 +150,7 @@ pub struct Scenario {
 }
 
 impl Default for Scenario {
-    /// The scenario of the paper's Fig. 1, METHOD.md 7, with its 5 m/s as the last run: that speed
+    /// The scenario of the paper's Fig. 1, method 7, with its 5 m/s as the last run: that speed
     /// is the edge of the range of the design. The sensors' noise is that of the default
     /// specification.
     fn default() -> Self {

@@ -32,11 +32,7 @@ pub fn bake(
     guid: &str,
     payload: &[u8],
 ) -> Result<(), BakeError> {
-    let name = match platform {
-        Platform::Linux64 | Platform::LinuxAarch64 => baked::SECTION_ELF,
-        Platform::Win64 => baked::SECTION_PE,
-        Platform::Darwin64 => baked::SECTION_MACH_O,
-    };
+    let name = platform.section();
     let file = object::File::parse(&*library)?;
     if !platform.accepts(&file) {
         return Err(BakeError::Platform(platform));

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use steerguard_designer::threshold::by_cause;
 use steerguard_detector::{Configuration, Interval};
 use steerguard_fmu::BakedDesign;
+use steerguard_model_description::detector::DetectorState;
 use steerguard_model_description::{
     Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
 };
@@ -37,9 +38,8 @@ road wheel</em>, after the steering ratio. Both as they act from the communicati
 <code>first_alarm_time</code> remember it.</li>
 <li><code>excited</code> says whether the smallest fault of interest could be seen at all:
 whether the J that it would make alone reaches <code>J_th</code>. Alarms are given in any case.</li>
-<li><code>state</code> says which condition holds: Starting, Monitoring, OutOfRange (outside the range
-of the design, the alarm is withheld), InvalidInput (an input is no number, the last results are
-held).</li>
+<li><code>state</code> says which condition holds; <code>state_index</code> is the same as an Integer,
+for importers without enumerations. The conditions are listed below.</li>
 <li>The detector samples on its own grid. Communication steps of any length are legal; outputs after a
 step are those of the last sample run.</li>
 </ul>
@@ -56,7 +56,17 @@ was designed for, <code>actuator.*</code> those of its <code>design.actuator.*</
 /// What the page of `SteeringFaultDetector.fmu` says of it, of the design inside and of the causes of
 /// its threshold.
 pub fn detector(design: &BakedDesign, causes: &[Cause]) -> String {
-    format!("{DETECTOR}{}{}", summary(design), threshold(causes, &design.configuration))
+    let about_design = summary(design);
+    format!("{DETECTOR}{}{about_design}{}", states(), threshold(causes, &design.configuration))
+}
+
+/// The items of `state`.
+fn states() -> String {
+    let items = DetectorState::TYPE.items.iter().zip(1..);
+    let lines = items.map(|(item, value)| {
+        format!("<li>{value} <code>{}</code>: {}</li>\n", item.name, escaped(item.description))
+    });
+    format!("<h2>Conditions</h2>\n<ul>\n{}</ul>\n", lines.collect::<String>())
 }
 
 /// The page of an FMU: `about` it, then all variables with their values in a fresh instance.

@@ -13,8 +13,7 @@
 use std::fmt::Write as _;
 
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Input, Monitor, Output, Vehicle,
-    VehicleState,
+    Actuator, Configuration, ConfigurationError, Detector, Input, Output, Vehicle, VehicleState,
 };
 use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World};
 
@@ -168,12 +167,7 @@ fn drive(
 
 fn results(output: &Output) -> [f64; 6] {
     let [v_x, r] = output.residual.vector();
-    let state = match output.monitor {
-        Monitor::Starting => 1.0,
-        Monitor::Monitoring => 2.0,
-        Monitor::OutOfRange => 3.0,
-        Monitor::InvalidInput => 4.0,
-    };
+    let state = f64::from(steerguard_fmu::state(output.monitor).value());
     [v_x, r, output.j_rms, output.j_th, f64::from(u8::from(output.alarm)), state]
 }
 

@@ -15,9 +15,10 @@ use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 use steerguard_fmu::{BakedDesign, DetectorModel};
 use steerguard_fmu_core::Model;
+use steerguard_model_description::detector::DetectorState;
 use steerguard_model_description::unit::BASE_UNITS;
 use steerguard_model_description::{
-    Causality, DefaultExperiment, Kind, Unit, Value, Variable, VariableSet,
+    Causality, DefaultExperiment, Kind, Unit, Value, Variable, VariableSet, names,
 };
 use steerguard_plant::PlantModel;
 
@@ -29,7 +30,6 @@ use crate::fmu::package::{PackageError, STOP_TIME_S, detector_fmu, plant_fmu};
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
 
-const NAME: &str = "SteeringFaultSystem";
 const PLANT: &str = "plant";
 const DETECTOR: &str = "detector";
 /// Path of the parameter set in the archive.
@@ -120,13 +120,13 @@ fn structure(experiment: &DefaultExperiment) -> io::Result<Vec<u8>> {
         ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
         ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
         ("version", "1.0"),
-        ("name", NAME),
+        ("name", names::SYSTEM),
         ("generationTool", TOOL),
     ];
     document("ssd:SystemStructureDescription", &attributes, |xml| {
         system(xml)?;
         element(xml, "ssd:Enumerations", &[], |xml| {
-            let state = &steerguard_model_description::detector::STATE;
+            let state = &DetectorState::TYPE;
             element(xml, "ssc:Enumeration", &[("name", state.name)], |xml| {
                 (1..).zip(state.items).try_for_each(|(value, item)| {
                     let value = i32::to_string(&value);
@@ -146,7 +146,7 @@ fn structure(experiment: &DefaultExperiment) -> io::Result<Vec<u8>> {
 
 fn system(xml: &mut Xml) -> io::Result<()> {
     let description = "Steering-fault detector on the reference vehicle";
-    let attributes = [("name", NAME), ("description", description)];
+    let attributes = [("name", names::SYSTEM), ("description", description)];
     element(xml, "ssd:System", &attributes, |xml| {
         let inputs = PLANT_TABLE.iter().filter(with(Causality::Input));
         let outputs = DETECTOR_TABLE.iter().filter(with(Causality::Output));
@@ -232,7 +232,7 @@ fn parameter_set(parameters: &[Parameter]) -> io::Result<Vec<u8>> {
         ("xmlns:ssv", "http://ssp-standard.org/SSP1/SystemStructureParameterValues"),
         ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
         ("version", "1.0"),
-        ("name", NAME),
+        ("name", names::SYSTEM),
         ("generationTool", TOOL),
     ];
     document("ssv:ParameterSet", &attributes, |xml| {

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use steerguard_fmi2::types::functions;
+use steerguard_fmi2::pointers;
 use tempfile::TempDir;
 
 macro_rules! library {
     ($($field:ident: $function:ident,)+) => {
         /// A loaded FMU library.
         pub(super) struct Library {
-            $(pub(super) $field: functions::$function,)+
+            $(pub(super) $field: pointers::$function,)+
             /// Keeps the code mapped for as long as the pointers above live.
             _code: libloading::Library,
             /// The unpacked FMU, removed after the code is unmapped.
@@ -25,7 +25,7 @@ macro_rules! library {
                 $(
                     // SAFETY: the FMI 2.0 headers declare the function with this type.
                     let $field = unsafe {
-                        *code.get::<functions::$function>(stringify!($function))?
+                        *code.get::<pointers::$function>(stringify!($function))?
                     };
                 )+
                 Ok(Self { $($field,)+ _code: code, _folder: folder })

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use libloading::Library;
-use steerguard_fmi2::types::functions;
+use steerguard_fmi2::pointers;
 
 macro_rules! table {
     ({}
@@ -14,8 +14,8 @@ macro_rules! table {
         #[allow(non_snake_case, missing_docs, reason = "the standard documents these functions")]
         #[derive(Clone, Copy)]
         pub struct Functions {
-            $(pub $cs: functions::$cs,)+
-            $(pub $me: functions::$me,)+
+            $(pub $cs: pointers::$cs,)+
+            $(pub $me: pointers::$me,)+
         }
 
         impl Functions {
@@ -28,9 +28,9 @@ macro_rules! table {
                 let code = unsafe { Library::new(path)? };
                 let functions = Self {
                     // SAFETY: the FMI 2.0 headers declare the function with this type.
-                    $($cs: unsafe { *code.get::<functions::$cs>(stringify!($cs))? },)+
+                    $($cs: unsafe { *code.get::<pointers::$cs>(stringify!($cs))? },)+
                     // SAFETY: the same.
-                    $($me: unsafe { *code.get::<functions::$me>(stringify!($me))? },)+
+                    $($me: unsafe { *code.get::<pointers::$me>(stringify!($me))? },)+
                 };
                 Ok((functions, code))
             }

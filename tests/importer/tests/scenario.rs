@@ -1,4 +1,4 @@
-//! The scenario of designer/METHOD.md 7 driven by the `fmi` crate: the fault is detected, nothing
+//! The scenario of method 7 driven by the `fmi` crate: the fault is detected, nothing
 //! else is, and the detector FMU gives what the plain detector gives.
 
 #![allow(clippy::unwrap_used)]

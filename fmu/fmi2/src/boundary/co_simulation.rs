@@ -3,7 +3,7 @@
 use steerguard_fmu_core::Fmu;
 use steerguard_model_description::LogCategory;
 
-use super::{OK, array, call, place};
+use super::call::{OK, array, call, place};
 use crate::Function;
 use crate::instance::Instance;
 use crate::types::*;
@@ -14,12 +14,24 @@ pub unsafe fn fmi2DoStep<F: Fmu>(
     communication_step_size: fmi2Real,
     _no_set_state_prior_to_current_point: fmi2Boolean,
 ) -> fmi2Status {
+    let mut step_finished = None;
     // SAFETY: the contract of this module.
-    unsafe {
+    let status = unsafe {
         call::<F>(c, Function::fmi2DoStep, |instance, _| {
-            Ok(instance.do_step(current_communication_point, communication_step_size))
+            let status = instance.do_step(current_communication_point, communication_step_size);
+            if status <= fmi2Status::fmi2Warning {
+                step_finished = instance.environment.step_finished();
+            }
+            Ok(status)
         })
+    };
+    if let Some((tell, environment)) = step_finished {
+        // FMI 2.0.4, section 2.1.5, asks for the call after every completed step. Here the instance is
+        // not borrowed any more: the importer may well use it from there.
+        // SAFETY: the importer gave function and environment for this call.
+        unsafe { tell(environment, status) };
     }
+    status
 }
 
 pub unsafe fn fmi2SetRealInputDerivatives<F: Fmu>(

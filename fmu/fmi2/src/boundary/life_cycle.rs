@@ -5,7 +5,7 @@ use core::ptr;
 use steerguard_fmu_core::{BakedError, Fmu, Guid, baked};
 use steerguard_model_description::LogCategory;
 
-use super::{OK, array, call, enter, string};
+use super::call::{OK, array, call, enter, string};
 use crate::environment::Environment;
 use crate::instance::{Instance, Machine};
 use crate::types::*;

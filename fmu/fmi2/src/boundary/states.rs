@@ -6,7 +6,7 @@ use core::{ptr, slice};
 
 use steerguard_fmu_core::{Fmu, Memory, fields, saved_state};
 
-use super::{OK, array, array_mut, call, place};
+use super::call::{OK, array, array_mut, call, place};
 use crate::Function;
 use crate::types::*;
 

@@ -1,9 +1,9 @@
 //! Getting and setting values.
 
-use steerguard_fmu_core::{AccessRefusal, Fmu, Model, Run};
+use steerguard_fmu_core::{AccessRefusal, Fmu, Model, access};
 use steerguard_model_description::{Value, VariableSet};
 
-use super::{OK, array, array_mut, call, string};
+use super::call::{OK, array, array_mut, call, string};
 use crate::Function;
 use crate::types::*;
 
@@ -22,7 +22,7 @@ unsafe fn get<F: Fmu, T>(
             let vr = array(vr, nvr).ok_or_else(|| instance.null(function, "vr"))?;
             let value = array_mut(value, nvr).ok_or_else(|| instance.null(function, "value"))?;
             for (&vr, value) in vr.iter().zip(value) {
-                let (variable, row) = Run::<F::Model>::find(vr)
+                let (variable, row) = access::find::<F::Model>(vr)
                     .map_err(|refusal| instance.refuse_access(function, refusal))?;
                 match pick(instance.machine.run.model.get(variable)) {
                     Some(got) => value.write(got),

@@ -160,10 +160,22 @@ fn impossible_experiments_are_refused() {
         (0.0, 1, f64::INFINITY, ERROR),
         (0.0, 0, nan, OK),
         (-5.0, 1, -5.0, OK),
+        (1.7e9, 1, 1.8e9, OK),
+        (1e17, 0, 0.0, ERROR),
+        (-1e300, 1, 0.0, ERROR),
     ] {
         let got = unsafe { fmi2SetupExperiment(component.c, 1, nan, start, defined, stop) };
         assert_eq!(got, status, "{start} {stop}");
     }
+    assert_eq!(unsafe { fmi2SetupExperiment(component.c, 0, 0.0, 1e17, 0, 0.0) }, ERROR);
+    let reason = "time cannot advance from 1e17 s: numbers there are 16 s apart, samples 0.01 s";
+    assert_eq!(importer.last(), format!("fmi2SetupExperiment: {reason}"));
+    // What is refused changes nothing: the run still starts where the last one accepted does.
+    unsafe {
+        assert_eq!(fmi2EnterInitializationMode(component.c), OK);
+        assert_eq!(fmi2ExitInitializationMode(component.c), OK);
+    }
+    assert_eq!(component.step(1.7e9, 0.01), OK, "{}", importer.last());
 }
 
 #[test]

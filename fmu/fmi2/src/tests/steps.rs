@@ -1,8 +1,12 @@
 //! Communication steps, derivatives, status.
 
+use std::cell::RefCell;
+use std::ffi::c_void;
+use std::ptr;
+
 use super::fmi2::*;
 use super::toy::ToyVariable as V;
-use super::{DISCARD, ERROR, FATAL, Importer, OK, WARNING};
+use super::{DISCARD, ERROR, FATAL, GUID, Importer, OK, WARNING};
 use crate::CallState;
 use crate::types::*;
 
@@ -50,6 +54,75 @@ fn times_are_checked() {
     let text = "fmi2DoStep: the step begins at 0.012 s, but the last one ended at 0.01 s";
     assert!(importer.messages.borrow().iter().any(|message| message.text == text));
     assert_eq!(component.samples(), 5);
+}
+
+#[test]
+fn a_stop_time_equal_to_the_start_time_is_none() {
+    let importer = Importer::default();
+    let component = importer.instantiate().initialised(3.0, Some(3.0));
+    assert_eq!(component.step(3.0, 5.0), OK, "{}", importer.last());
+    assert_eq!(component.samples(), 500);
+}
+
+#[test]
+fn a_step_of_more_than_a_million_samples_changes_nothing() {
+    let importer = Importer::default();
+    let component = importer.instantiate().initialised(0.0, None);
+    let before = component.serialised();
+    assert_eq!(component.step(0.0, 10_000.01), ERROR);
+    assert_eq!(
+        importer.last(),
+        "fmi2DoStep: a step of 10000.01 s from 0 s would run more than 1000000 samples: take \
+         shorter ones"
+    );
+    assert_eq!(component.serialised(), before);
+    assert_eq!(unsafe { fmi2SetDebugLogging(component.c, fmi2False, 0, ptr::null()) }, OK);
+    assert_eq!(component.step(0.0, 10_000.0), OK);
+    assert_eq!(component.samples(), 1_000_000);
+}
+
+#[test]
+fn times_in_messages_have_all_their_digits() {
+    let importer = Importer::default();
+    let component = importer.instantiate().initialised(1.7e9, None);
+    assert_eq!(component.step(1_700_000_000.25, 0.01), ERROR);
+    let text = "fmi2DoStep: a step of 0.01 s from 1700000000.25 s does not begin where the last one \
+                ended, at 1700000000 s";
+    assert_eq!(importer.last(), text);
+}
+
+#[test]
+fn the_importer_is_told_of_completed_steps_if_it_asks() {
+    thread_local! {
+        static TOLD: RefCell<Vec<(fmi2Status, f64)>> = const { RefCell::new(Vec::new()) };
+    }
+    unsafe extern "C" fn tell(environment: *mut c_void, status: fmi2Status) {
+        // The instance may be asked from here.
+        let mut y = f64::NAN;
+        let c = unsafe { *environment.cast::<fmi2Component>() };
+        assert_eq!(unsafe { fmi2GetReal(c, &(V::Output as u32), 1, &mut y) }, OK);
+        TOLD.with_borrow_mut(|told| told.push((status, y)));
+    }
+    let mut c: fmi2Component = ptr::null_mut();
+    let callbacks = fmi2CallbackFunctions {
+        logger: None,
+        stepFinished: Some(tell),
+        componentEnvironment: (&raw mut c).cast(),
+        ..Importer::default().callbacks()
+    };
+    unsafe {
+        c = fmi2Instantiate(c"toy".as_ptr(), 1, GUID.as_ptr(), ptr::null(), &callbacks, 0, 0);
+        assert_eq!(fmi2SetReal(c, &(V::Input as u32), 1, &1.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(c), OK);
+        assert_eq!(fmi2ExitInitializationMode(c), OK);
+        assert_eq!(fmi2DoStep(c, 0.0, 0.01, 1), OK);
+        assert_eq!(fmi2DoStep(c, 0.0, -0.01, 1), ERROR);
+        assert_eq!(fmi2DoStep(c, 0.012, 0.008, 1), WARNING);
+        assert_eq!(fmi2SetInteger(c, &(V::Order as u32), 1, &-1), OK);
+        assert_eq!(fmi2DoStep(c, 0.02, 0.01, 1), DISCARD);
+        fmi2FreeInstance(c);
+    }
+    assert_eq!(TOLD.take(), [(OK, 0.01), (WARNING, 0.02)]);
 }
 
 #[test]
@@ -123,7 +196,7 @@ fn status_is_answered_where_there_is_one() {
         assert_eq!(fmi2GetStatus(c, fmi2DoStepStatus, &mut { OK }), DISCARD);
         assert_eq!(fmi2GetRealStatus(c, fmi2Terminated, &mut time), DISCARD);
         assert_eq!(fmi2GetIntegerStatus(c, fmi2PendingStatus, &mut 0), DISCARD);
-        assert_eq!(fmi2GetStringStatus(c, fmi2PendingStatus, &mut std::ptr::null()), DISCARD);
+        assert_eq!(fmi2GetStringStatus(c, fmi2PendingStatus, &mut ptr::null()), DISCARD);
         assert_eq!(fmi2GetBooleanStatus(c, 99, &mut flag), DISCARD);
         assert_eq!(fmi2CancelStep(c), ERROR);
         assert_eq!(fmi2GetRealOutputDerivatives(c, &2, 1, &1, &mut time), ERROR);

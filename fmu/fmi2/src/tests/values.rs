@@ -147,6 +147,20 @@ fn parameters_stay_within_their_limits_and_inputs_take_anything() {
         assert_eq!(component.get(V::Gain), 1.0);
         assert_eq!(component.set(V::Input, value), OK);
     }
+    for (vr, value, reason) in [
+        (V::Order, 1, "variable \"order\" cannot be 1: -4 to 0 is allowed"),
+        (V::Mode, 3, "variable \"mode\" cannot be 3: its items are 1 Run, 2 Fail"),
+    ] {
+        assert_eq!(unsafe { fmi2SetInteger(c, &(vr as u32), 1, &value) }, ERROR);
+        assert_eq!(importer.last(), format!("fmi2SetInteger: {reason}"));
+    }
+    for (variable, value, reason) in [
+        (V::Gain, 10.000_000_1, "variable \"gain\" cannot be 10.0000001: 0 to 10 is allowed"),
+        (V::Offset, f64::NAN, "variable \"offset\" cannot be NaN: finite values are allowed"),
+    ] {
+        assert_eq!(component.set(variable, value), ERROR);
+        assert_eq!(importer.last(), format!("fmi2SetReal: {reason}"));
+    }
     for (variable, value, status) in
         [(V::Order, 1, ERROR), (V::Order, -4, OK), (V::Mode, 0, ERROR), (V::Mode, 3, ERROR)]
     {

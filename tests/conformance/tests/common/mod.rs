@@ -18,7 +18,7 @@ use steerguard_conformance_tests::Functions;
 use steerguard_designer::{Design, Spec, design};
 use steerguard_detector::Detector;
 use steerguard_model_description::detector::{DetectorVariable, INFO};
-use steerguard_model_description::{Variable, VariableSet};
+use steerguard_model_description::{Variable, VariableSet, names};
 use tempfile::TempDir;
 
 /// The detector FMU of the paper's vehicle as a file, and its library beside it.
@@ -45,7 +45,7 @@ impl Packaged {
         let bytes = detector_fmu(&baked, &[], &Runtimes::detector()).unwrap();
 
         let folder = tempfile::tempdir().unwrap();
-        let fmu = folder.path().join("SteeringFaultDetector.fmu");
+        let fmu = folder.path().join(names::DETECTOR_FILE);
         fs::write(&fmu, bytes).unwrap();
         let mut archive = zip::ZipArchive::new(fs::File::open(&fmu).unwrap()).unwrap();
         archive.extract(folder.path()).unwrap();
