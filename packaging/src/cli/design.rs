@@ -4,7 +4,8 @@ use serde::Serialize;
 use std::path::Path;
 use steerguard_designer::{Design, DesignStatus};
 
-use super::{input, print};
+use super::input;
+use super::print::print;
 use crate::cli::arguments::DesignArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;

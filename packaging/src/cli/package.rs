@@ -6,7 +6,8 @@ use serde::Serialize;
 use steerguard_designer::{Design, DesignStatus};
 use steerguard_fmu::BakedDesign;
 
-use super::{input, print};
+use super::input;
+use super::print::print;
 use crate::cli::arguments::PackageArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;

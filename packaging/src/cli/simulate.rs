@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 use steerguard_designer::Spec;
 
-use super::{input, package, print};
+use super::print::print;
+use super::{input, package};
 use steerguard_model_description::names;
 
 use crate::cli::arguments::SimulateArguments;
