@@ -17,13 +17,13 @@ use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{AttenuationMatrices, Lyapunov};
 use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::threshold::by_cause;
-use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, FORMAT, Obstacle, Spec, Step, design,
 };
-use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor, rk4};
+use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor};
 use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::Refusal;
+use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World, steady_angle};
 
 use designed::designed;
 
@@ -164,30 +164,30 @@ fn scenario(design: &Design, v_x: f64, v_y: f64, fault_deg: f64) -> (Option<u64>
     let vehicle = design.detector.model.vehicle;
     let mut detector = Detector::new(&design.configuration()).unwrap();
     assert_eq!(detector.initialisation(), Initialisation::FirstMeasurement);
-    let mut x = [v_x, v_y, 0.0];
+    let world = World::of(TrueVehicle::linear(vehicle), Steering::DIRECT);
+    let mut state = State::new(&world, STEP_S, [v_x, v_y, 0.0].into(), 0.0);
     let mut share = 0.0;
     for k in 0..800 {
         let t = f64::from(k) * 0.01;
         let delta = 0.02 * (0.5 * t).sin() * (5.0 / v_x).sqrt();
         let t_eng_n_m = vehicle.cruise_torque(v_x);
-        let y = Measurement { v_x_m_per_s: x[0], r_rad_per_s: x[2] };
-        let output = detector.sample(y, Input { t_eng_n_m, delta_rad: delta });
+        let u = Input { t_eng_n_m, delta_rad: delta };
+        let output = detector.sample(state.motion.measured(), u);
         assert_eq!(output.monitor, Monitor::Monitoring);
         if k == 499 {
             share = output.j_rms / output.j_th;
         }
         let fault = if k >= 500 { fault_deg.to_radians() } else { 0.0 };
         let wave = 0.1 * (-0.1 * std::f64::consts::PI * t).sin();
+        let side_force_n = vehicle.mass_kg * wave;
+        let excitation = Excitation {
+            drive_torque_n_m: t_eng_n_m,
+            command_rad: delta,
+            fault_rad: fault,
+            push: world.vehicle.push(side_force_n, 0.25 * side_force_n),
+        };
         for _ in 0..10 {
-            x = rk4(
-                |x| {
-                    let u = Input { t_eng_n_m, delta_rad: delta + fault };
-                    let [a, b, c] = vehicle.derivative(x.into(), u);
-                    [a, b + wave, c + wave * vehicle.mass_kg * 0.25 / vehicle.yaw_inertia_kg_m2]
-                },
-                x,
-                0.001,
-            );
+            state.step(&world, &excitation, STEP_S);
         }
     }
     (detector.output().first_alarm, share)

@@ -42,4 +42,4 @@ pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};
 pub use signals::{Input, Measurement, StateVector, VehicleState};
 pub use ts_model::{C, RULES, TsModel};
-pub use vehicle::{Vehicle, rk4};
+pub use vehicle::Vehicle;

@@ -3,7 +3,6 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::algebra::sum;
 use crate::{Input, StateVector, VehicleState};
 
 /// Vehicle data, Table 1 of the paper. All values positive and finite; drags may be zero.
@@ -123,19 +122,4 @@ impl Vehicle {
     pub fn cruise_torque(&self, v_x_m_per_s: f64) -> f64 {
         self.longitudinal_drag_n_m_s2_per_m2 * v_x_m_per_s * v_x_m_per_s
     }
-}
-
-/// One step of length `h` of the classical Runge-Kutta method for `dx/dt = f(x)`: what simulations
-/// of the vehicle integrate with; the observer itself is discrete.
-pub fn rk4<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], x: [f64; N], h: f64) -> [f64; N] {
-    let along = |slope: [f64; N], h: f64| sum(x, slope.map(|s| h * s));
-    let k_1 = f(x);
-    let k_2 = f(along(k_1, h / 2.0));
-    let k_3 = f(along(k_2, h / 2.0));
-    let k_4 = f(along(k_3, h));
-    let mut slope = k_1;
-    for (((slope, k_2), k_3), k_4) in slope.iter_mut().zip(k_2).zip(k_3).zip(k_4) {
-        *slope = (*slope + 2.0 * k_2 + 2.0 * k_3 + k_4) / 6.0;
-    }
-    along(slope, h)
 }

@@ -7,8 +7,9 @@ mod common;
 use common::{configuration, u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
-    Actuator, ActuatorState, Detector, Input, MAX_DELAY_SAMPLES, Measurement, Monitor, rk4,
+    Actuator, ActuatorState, Detector, Input, MAX_DELAY_SAMPLES, Measurement, Monitor,
 };
+use steerguard_test_support::integration::rk4;
 
 const PERIOD_S: f64 = 0.01;
 /// Steps of the simulation to a sample: dead times are whole numbers of them.

@@ -8,8 +8,9 @@ use common::{u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
     Actuator, ActuatorState, Configuration, Detector, Deviations, Evaluation, Gust, Input, Monitor,
-    Output, StateVector, TsModel, Uncertainty, Vehicle, rk4,
+    Output, StateVector, TsModel, Uncertainty, Vehicle,
 };
+use steerguard_test_support::integration::rk4;
 
 const NOMINAL: Vehicle = Vehicle::PAPER;
 const T_S: f64 = TsModel::PAPER.sampling_period_s;

@@ -1,8 +1,9 @@
 //! The N-TS model against the nonlinear vehicle it rewrites.
 
 use proptest::prelude::*;
-use steerguard_detector::{Input, Measurement, TsModel, Vehicle, VehicleState, rk4};
+use steerguard_detector::{Input, Measurement, TsModel, Vehicle, VehicleState};
 use steerguard_test_support::cases::ReferenceCase;
+use steerguard_test_support::integration::rk4;
 
 const PAPER: TsModel = TsModel::PAPER;
 

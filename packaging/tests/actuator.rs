@@ -13,8 +13,8 @@ use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Fmu;
 use steerguard_designer::Spec;
-use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_detector::{Actuator, Vehicle};
+use steerguard_world::steady_angle;
 
 use designed::designed;
 use fmu::open;

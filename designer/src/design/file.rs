@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::ser::{Formatter, Serializer};
 use steerguard_detector::{Configuration, ConfigurationError, RULES};
 use steerguard_verify::Refusal;
+use steerguard_world::GRAVITY_M_PER_S2;
 
 use crate::analysis::certificate::{Check, Margin};
 use crate::analysis::certified::{APosteriori, CertifiedFigures};
@@ -25,7 +26,7 @@ use crate::analysis::frequency::{Frozen, PointFigures};
 use crate::document::Mistakes;
 use crate::lmi::matrix::Rows3;
 use crate::search::SearchRecord;
-use crate::spec::{AIR_KG_PER_M3, Fault, GRAVITY, MethodName, Spec, ThresholdKind};
+use crate::spec::{AIR_KG_PER_M3, Fault, MethodName, Spec, ThresholdKind};
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
 
@@ -90,7 +91,8 @@ pub struct Constants {
 
 impl Constants {
     /// Those that designs are made with.
-    pub const USED: Self = Self { gravity_m_per_s2: GRAVITY, air_density_kg_per_m3: AIR_KG_PER_M3 };
+    pub const USED: Self =
+        Self { gravity_m_per_s2: GRAVITY_M_PER_S2, air_density_kg_per_m3: AIR_KG_PER_M3 };
 }
 
 /// A rule: its vertex and gains.

@@ -2,12 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use steerguard_detector::Vehicle;
+use steerguard_world::GRAVITY_M_PER_S2;
 
 use super::band::{check_band, low_band};
 use crate::document::{Allowed, Mistake, Mistakes};
-
-/// Standard acceleration of gravity, m/s^2.
-pub(crate) const GRAVITY: f64 = 9.80665;
 
 /// `[[disturbance]]`: an unknown input, by its kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,7 +79,7 @@ impl Disturbance {
             Self::SideWind { acting_ahead_m, .. } => {
                 [0.0, 1.0, vehicle.mass_kg * acting_ahead_m / vehicle.yaw_inertia_kg_m2]
             }
-            Self::Bank { .. } => [0.0, -GRAVITY.to_radians(), 0.0],
+            Self::Bank { .. } => [0.0, -GRAVITY_M_PER_S2.to_radians(), 0.0],
             Self::YawMoment { .. } => [0.0, 0.0, 1.0 / vehicle.yaw_inertia_kg_m2],
             Self::Direction { direction, .. } => *direction,
         }

@@ -30,7 +30,6 @@ pub(crate) use band::check_band;
 pub use calibration::{Calibration, Manoeuvre};
 pub use design::{Method, MethodName, MultiplierV, VName};
 pub use disturbance::Disturbance;
-pub(crate) use disturbance::GRAVITY;
 pub use evaluation::{Evaluation, ThresholdKind};
 pub use fault::Fault;
 pub use noise::{Noise, SpeedNoise, YawRateNoise};

@@ -5,9 +5,9 @@
 
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{Gust, Uncertainty};
+use steerguard_world::bank_m_per_s2;
 
 use super::ActuatorTable;
-use super::disturbance::GRAVITY;
 use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Density of air, kg/m^3.
@@ -96,11 +96,6 @@ impl UncertaintyTable {
         }
     }
 
-    /// Lateral component of gravity on a bank, m/s^2.
-    pub fn bank_m_per_s2(bank_deg: f64) -> f64 {
-        GRAVITY * libm::sin(bank_deg.to_radians())
-    }
-
     /// The bounds that the detector is told.
     pub fn bounds(&self) -> Uncertainty {
         let largest = |ends: [f64; 2], deviation: fn(f64) -> f64| {
@@ -113,7 +108,7 @@ impl UncertaintyTable {
             yaw_inertia: of_inertia(self.yaw_inertia_percent),
             front_cornering_stiffness: of_stiffness(self.front_cornering_stiffness_percent),
             rear_cornering_stiffness: of_stiffness(self.rear_cornering_stiffness_percent),
-            bank_m_per_s2: Self::bank_m_per_s2(self.bank_deg),
+            bank_m_per_s2: bank_m_per_s2(self.bank_deg.to_radians()).abs(),
             gust: self.gust(),
             actuator_lag_s: self.actuator_lag_s,
             actuator_delay_s: self.actuator_delay_s,

@@ -1,39 +1,35 @@
 //! What J reaches over simulated fault-free drives.
 //!
-//! The nonlinear vehicle (1)-(2), integrated by Runge-Kutta steps of at most 1 ms, drives a detector
-//! with the gains under design; samples count while it monitors. The vehicle is the specified one, on
-//! a flat road in still air; or an uncertain one, drawn anew for each drive, as are bank and gusts.
+//! A vehicle of the simulated [world](steerguard_world) drives a detector with the gains under design;
+//! samples count while it monitors. The vehicle is the specified one, on a flat road in still air; or an
+//! uncertain one, drawn anew for each drive, as are bank and gusts.
 //!
 //! # Conventions
-//! Inputs are held from sample to sample; of a specification with an actuator the steering is its
-//! command. The actuator's angle and the disturbances are held for an integration step; the sensors'
-//! noise is that of the specification. Random numbers come from generators seeded with the drive's
-//! number. The drive torque is that of a speed control: cruise torque and I_e times the speed error a
-//! second.
+//! Inputs and wind are held from sample to sample, the disturbances for an integration step; of a
+//! specification with an actuator the steering is its command. The sensors' noise is that of the
+//! specification. Random numbers are those of the drive's number as seed.
 
-use chacha20::ChaCha8Rng;
-use chacha20::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal, Uniform};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use steerguard_detector::{
-    Actuator, ActuatorState, Configuration, ConfigurationError, Detector, Evaluation, Gust, Input,
-    Measurement, Monitor, Output, StateVector, Vehicle, rk4,
+    Actuator, Configuration, ConfigurationError, Detector, Evaluation, Input, Measurement, Monitor,
+    Output, StateVector, Vehicle, VehicleState,
+};
+use steerguard_world::{
+    CALM_S, Course, Excitation, GUST_S, Gusts, Plan, STEP_S, Sensor, Sensors, State, Steering,
+    Stream, TrueVehicle, Wind, World,
 };
 
-use crate::spec::{Manoeuvre, Noise, Spec, UncertaintyTable};
-use crate::threshold::gust::Gusts;
+use crate::spec::{Manoeuvre, Noise, Spec};
 
-/// Longest integration step, s.
-const INTEGRATION_STEP_S: f64 = 1e-3;
 /// Drives between two reports of progress.
 const DRIVES_AT_A_TIME: usize = 128;
-/// When the manoeuvres that are not periodic begin, s.
+/// When manoeuvres begin, and time between two runs of one, s.
 const MANOEUVRE_START_S: f64 = 1.0;
-/// Length of a gust, and time between two, s.
-const GUST_S: [f64; 2] = [0.5, 3.0];
-const CALM_S: f64 = 1.0;
+const MANOEUVRE_PAUSE_S: f64 = 2.0;
+/// Stream of the random numbers of vehicle, road and air; those before are the sensors'.
+const SURROUNDINGS_STREAM: u64 = 2;
 /// Confidence of [`Level::exceeded_at_most`].
 const CONFIDENCE: f64 = 0.95;
 
@@ -66,7 +62,7 @@ pub struct Wave {
 impl Wave {
     /// Its value at time `t`, in [-1, 1].
     fn at(&self, t: f64) -> f64 {
-        (TAU * self.hz * t + self.phase_rad).cos()
+        libm::cos(TAU * self.hz * t + self.phase_rad)
     }
 }
 
@@ -213,31 +209,37 @@ fn run(
     index: usize,
     population: Population,
 ) -> Outcome {
-    let world = match population {
-        Population::Specified => World::specified(spec),
-        Population::Uncertain => World::drawn(spec, index),
+    let Surroundings { world, wind } = match population {
+        Population::Specified => Surroundings::specified(spec),
+        Population::Uncertain => Surroundings::drawn(spec, index),
     };
     let t_s = spec.sampling.period_s;
-    let steps = (t_s / INTEGRATION_STEP_S).ceil().max(1.0);
-    let step = t_s / steps;
+    let steps = (t_s / STEP_S).ceil().max(1.0);
+    let step_s = t_s / steps;
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
-    let mut noise = SensorNoise::new(&spec.noise, index);
-    let mut wheel = Wheel::new(&world.actuator, t_s, step);
+    let sensors = sensors(&spec.noise, t_s, index);
+    let bounds = spec.noise.bounds().map(|bound| bound.unwrap_or(0.0));
+    let course = course(spec, drive);
 
-    let mut x = [drive.v_x_m_per_s, drive.v_y_m_per_s, 0.0];
+    let motion = VehicleState {
+        v_x_m_per_s: drive.v_x_m_per_s,
+        v_y_m_per_s: drive.v_y_m_per_s,
+        r_rad_per_s: 0.0,
+    };
+    let mut state = State::new(&world, step_s, motion, course.steering_rad(0.0));
     let mut outcome = Outcome { level: None, monitored: 0, samples };
     for k in 0..samples {
         let t = k as f64 * t_s;
-        let t_eng = spec.vehicle.cruise_torque(drive.v_x_m_per_s)
-            + spec.vehicle.effective_longitudinal_inertia_kg_m * (drive.v_x_m_per_s - x[0]);
-        let command = |k: u64| steering(spec, drive, k as f64 * t_s);
-
+        // What is bounded is at its bound along the disturbances' wave.
         let wave = drive.disturbance.at(t);
-        let measured = Measurement {
-            v_x_m_per_s: x[0] + noise.next(0, wave),
-            r_rad_per_s: x[2] + noise.next(1, wave),
+        let [v_x, r] = sensors.readings(k, state.motion.measured().vector());
+        let measured =
+            Measurement { v_x_m_per_s: v_x + bounds[0] * wave, r_rad_per_s: r + bounds[1] * wave };
+        let u = Input {
+            t_eng_n_m: course.drive_torque_n_m(t, measured.v_x_m_per_s),
+            delta_rad: course.steering_rad(t),
         };
-        let output = detector.sample(measured, Input { t_eng_n_m: t_eng, delta_rad: command(k) });
+        let output = detector.sample(measured, u);
         if output.monitor == Monitor::Monitoring {
             outcome.monitored += 1;
             let Output { j_rms, j_th, .. } = *output;
@@ -248,141 +250,87 @@ fn run(
             };
             outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
         }
-        let delayed = command(k.saturating_sub(wheel.whole_samples));
+        let [side_force_n, yaw_moment_n_m] =
+            wind.side_force_and_yaw_moment(t, state.motion.v_x_m_per_s);
+        let of_wind = world.vehicle.push(side_force_n, yaw_moment_n_m);
         for inner in 0..steps as u32 {
-            let delta = wheel.angle(delayed);
-            let t = t + f64::from(inner) * step;
-            let push = plus(disturbance(spec, drive, t), world.slope(t, x[0]));
-            let u = Input { t_eng_n_m: t_eng, delta_rad: delta };
-            x = rk4(|x| plus(world.vehicle.derivative(x.into(), u), push), x, step);
+            let t = t + f64::from(inner) * step_s;
+            let excitation = Excitation {
+                drive_torque_n_m: u.t_eng_n_m,
+                command_rad: u.delta_rad,
+                fault_rad: 0.0,
+                push: plus(of_wind, disturbance(spec, drive, t)),
+            };
+            state.step(&world, &excitation, step_s);
         }
     }
     outcome
 }
 
-/// Vehicle, road and air of one drive.
-struct World {
-    vehicle: Vehicle,
-    actuator: Actuator,
-    bank_m_per_s2: f64,
-    /// How gusts act.
-    gust: Gust,
-    gusts: Gusts,
+/// What a drive takes place in.
+struct Surroundings {
+    world: World,
+    wind: Wind,
 }
 
-impl World {
+impl Surroundings {
     fn specified(spec: &Spec) -> Self {
         Self {
-            vehicle: spec.vehicle,
-            actuator: spec.actuator.actuator(),
-            bank_m_per_s2: 0.0,
-            gust: spec.uncertainty.gust(),
-            gusts: Gusts::NONE,
+            world: World::of(
+                TrueVehicle::linear(spec.vehicle),
+                Steering::of(spec.actuator.actuator()),
+            ),
+            wind: Wind { gusts: Gusts::NONE, action: spec.uncertainty.gust() },
         }
     }
 
     /// Draws those of drive number `index`.
     fn drawn(spec: &Spec, index: usize) -> Self {
-        let mut generator = ChaCha8Rng::seed_from_u64(index as u64);
-        // Stream 0 is the sensor noise.
-        generator.set_stream(1);
-        let mut between = |[min, max]: [f64; 2]| {
-            // Evenly spread, ends included; of an interval without width, its only value.
-            Uniform::new_inclusive(min, max).map_or(min, |range| range.sample(&mut generator))
-        };
+        let stream = Stream::new(index as u64, SURROUNDINGS_STREAM);
+        let mut numbers = 0..;
+        let mut between = |interval| stream.uniform(numbers.next().unwrap_or_default(), interval);
         let uncertainty = &spec.uncertainty;
         let [mass, yaw_inertia, front, rear] =
             uncertainty.intervals_percent().map(|interval| 1.0 + between(interval) / 100.0);
         let v = &spec.vehicle;
-        let (bank_deg, gust) = (uncertainty.bank_deg, uncertainty.gust());
-        let fastest = gust.speed_m_per_s;
+        let (bank_deg, action) = (uncertainty.bank_deg, uncertainty.gust());
+        let fastest = action.speed_m_per_s;
         let actuator = spec.actuator.actuator();
+        let vehicle = Vehicle {
+            mass_kg: mass * v.mass_kg,
+            effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
+            yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
+            front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
+            rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
+            ..*v
+        };
+        let steering = Steering::of(Actuator {
+            lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
+            delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),
+            ..actuator
+        });
         Self {
-            vehicle: Vehicle {
-                mass_kg: mass * v.mass_kg,
-                effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
-                yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
-                front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
-                rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
-                ..*v
+            world: World {
+                bank_rad: between([-bank_deg, bank_deg]).to_radians(),
+                ..World::of(TrueVehicle::linear(vehicle), steering)
             },
-            actuator: Actuator {
-                lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
-                delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),
-                ..actuator
-            },
-            bank_m_per_s2: UncertaintyTable::bank_m_per_s2(between([-bank_deg, bank_deg])),
-            gust,
-            gusts: Gusts {
-                speed_m_per_s: between([-fastest, fastest]),
-                duration_s: between(GUST_S),
-                start_s: between([0.0, GUST_S[1]]),
-                pause_s: CALM_S,
+            wind: Wind {
+                gusts: Gusts {
+                    speed_m_per_s: between([-fastest, fastest]),
+                    duration_s: between(GUST_S),
+                    start_s: between(CALM_S),
+                    pause_s: between(CALM_S),
+                },
+                action,
             },
         }
     }
-
-    /// What road and air add to the state's derivative at time `t` and speed `v_x`.
-    fn slope(&self, t: f64, v_x: f64) -> StateVector {
-        let wind = Gust { speed_m_per_s: self.gusts.wind_m_per_s(t), ..self.gust };
-        let force = wind.side_force(v_x);
-        let v = &self.vehicle;
-        [
-            0.0,
-            self.bank_m_per_s2 + force / v.mass_kg,
-            wind.acting_ahead_m * force / v.yaw_inertia_kg_m2,
-        ]
-    }
 }
 
-/// The vehicle's actuator, an integration step at a time.
-struct Wheel {
-    /// Dead time in whole samples: the rest is left to the actuator.
-    whole_samples: u64,
-    actuator: Actuator,
-    step_s: f64,
-    state: ActuatorState,
-}
-
-impl Wheel {
-    fn new(actuator: &Actuator, sampling_period_s: f64, step_s: f64) -> Self {
-        let whole_samples = actuator.delay_samples(sampling_period_s);
-        let rest_s = actuator.delay_s - whole_samples as f64 * sampling_period_s;
-        Self {
-            whole_samples: whole_samples as u64,
-            actuator: Actuator { delay_s: rest_s.max(0.0), ..*actuator },
-            step_s,
-            state: ActuatorState::START,
-        }
-    }
-
-    /// The average angle over the next step, under a command whole samples old.
-    fn angle(&mut self, command: f64) -> f64 {
-        self.state.sample(&self.actuator, self.step_s, command)
-    }
-}
-
-/// Sensor noise of one drive: white, and what is bounded at its bound along the disturbances' wave.
-struct SensorNoise {
-    generator: ChaCha8Rng,
-    white_std: [f64; 2],
-    bounds: [f64; 2],
-}
-
-impl SensorNoise {
-    fn new(noise: &Noise, drive: usize) -> Self {
-        Self {
-            generator: ChaCha8Rng::seed_from_u64(drive as u64),
-            white_std: noise.white_std(),
-            bounds: noise.bounds().map(|bound| bound.unwrap_or(0.0)),
-        }
-    }
-
-    /// Noise of the next sample of a signal.
-    fn next(&mut self, signal: usize, wave: f64) -> f64 {
-        let white: f64 = StandardNormal.sample(&mut self.generator);
-        self.white_std[signal] * white + self.bounds[signal] * wave
-    }
+/// Sensors with the white noise of drive number `drive`.
+fn sensors(noise: &Noise, period_s: f64, drive: usize) -> Sensors {
+    let sensor = |noise_std| Sensor { noise_std, ..Sensor::default() };
+    Sensors { sensors: noise.white_std().map(sensor), period_s, held: false, seed: drive as u64 }
 }
 
 fn plus(a: StateVector, b: StateVector) -> StateVector {
@@ -399,28 +347,20 @@ fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> StateVector {
     })
 }
 
-/// Road-wheel angle at time `t`, rad.
-fn steering(spec: &Spec, drive: &Drive, t: f64) -> f64 {
-    let rate = spec.evaluation.calibration.steering_rate_rad_per_s;
-    let full = steady_angle(&spec.vehicle, drive.v_x_m_per_s, drive.lateral_acceleration_m_per_s2);
-    let sine = |omega: f64, t: f64| full.min(rate / omega) * (omega * t).sin();
-    let since = t - MANOEUVRE_START_S;
-    match drive.manoeuvre {
-        Manoeuvre::Straight => 0.0,
-        Manoeuvre::Sine => sine(0.5, t),
-        Manoeuvre::Weave => sine(TAU * 0.2, t),
-        Manoeuvre::StepSteer => (rate * since).clamp(0.0, full),
-        Manoeuvre::LaneChange => sine(PI, since.clamp(0.0, 2.0)),
-    }
-}
-
-/// Road-wheel angle of a steady turn at speed `v_x` and lateral acceleration `a_y` of the linear
-/// single-track model, rad, without sign: Rajamani (2012), 3.3.
-pub fn steady_angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
-    let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-    let (c_f, c_r) =
-        (vehicle.front_cornering_stiffness_n_per_rad, vehicle.rear_cornering_stiffness_n_per_rad);
-    let wheelbase = l_f + l_r;
-    let understeer = vehicle.mass_kg * (c_r * l_r - c_f * l_f) / (2.0 * c_f * c_r * wheelbase);
-    (a_y * (wheelbase / (v_x * v_x) + understeer)).abs()
+/// Steering and speed of `drive`.
+fn course(spec: &Spec, drive: &Drive) -> Course {
+    let plan = Plan {
+        manoeuvre: match drive.manoeuvre {
+            Manoeuvre::Straight => steerguard_world::Manoeuvre::Straight,
+            Manoeuvre::Sine => steerguard_world::Manoeuvre::Sine,
+            Manoeuvre::Weave => steerguard_world::Manoeuvre::Weave,
+            Manoeuvre::StepSteer => steerguard_world::Manoeuvre::StepSteer,
+            Manoeuvre::LaneChange => steerguard_world::Manoeuvre::LaneChange,
+        },
+        speed_m_per_s: drive.v_x_m_per_s,
+        lateral_acceleration_m_per_s2: drive.lateral_acceleration_m_per_s2,
+        start_s: MANOEUVRE_START_S,
+        pause_s: MANOEUVRE_PAUSE_S,
+    };
+    Course::new(&plan, &spec.vehicle, spec.evaluation.calibration.steering_rate_rad_per_s)
 }

@@ -8,19 +8,19 @@
 
 pub mod calibration;
 pub mod guaranteed;
-pub mod gust;
 
 use serde::Serialize;
 use steerguard_detector::{
     Configuration, ConfigurationError, Deviations, Evaluation, Input, Observer, Place, StateVector,
     VehicleState,
 };
+use steerguard_world::steady_angle;
 
 use crate::progress::Step;
 use crate::spec::{Spec, ThresholdKind};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
-use crate::threshold::calibration::{Level, Population, calibrate, drives, steady_angle};
+use crate::threshold::calibration::{Level, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
 
 /// Names of the uncertainties, in the order of the detector's.

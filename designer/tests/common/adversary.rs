@@ -4,10 +4,10 @@ use rand_distr::{Distribution, Uniform};
 use steerguard_designer::Design;
 use steerguard_designer::analysis::operating_point::{FrozenError, OperatingPoint};
 use steerguard_designer::problem::inputs::bounded_inputs;
-use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_detector::{
     Configuration, Detector, Deviations, Input, Measurement, Monitor, VehicleState,
 };
+use steerguard_world::steady_angle;
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::SeedableRng;

@@ -1,7 +1,7 @@
 //! Gusts across the road, as the drives have them.
 
-use steerguard_designer::threshold::gust::Gusts;
 use steerguard_detector::Gust;
+use steerguard_world::Gusts;
 
 use super::drive::Drive;
 

@@ -9,8 +9,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use steerguard_designer::threshold::calibration::steady_angle;
 use steerguard_detector::Vehicle;
+use steerguard_world::steady_angle;
 
 use super::drive::Drive;
 pub use super::kind::Manoeuvre;

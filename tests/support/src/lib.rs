@@ -1,8 +1,10 @@
-//! What tests share: the reference cases of `tests/cases`, and a cache for what is slow to make.
+//! What tests share: the reference cases of `tests/cases`, an integrator, and a cache for what
+//! is slow to make.
 //!
 //! Whatever fails here fails the test, by a panic at its line.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "for tests alone")]
 
 pub mod cases;
+pub mod integration;
 pub mod once;
