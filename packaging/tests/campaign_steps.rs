@@ -7,14 +7,15 @@ mod common;
 mod fmu;
 
 use steerguard::campaign::drive::Drive;
-use steerguard::campaign::manoeuvre::Manoeuvre;
 use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
 use steerguard::drive::cosimulation::Sample;
+use steerguard::drive::scenario::SensorNoise;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::spec::UncertaintyTable;
 use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
+use steerguard_world::{FaultKind, Manoeuvre, Plan};
 
 use fmu::open;
 
@@ -100,20 +101,17 @@ fn drives_are_driven_through_their_actuator() {
         subject: Subject { actuator, ..SUBJECT },
     };
     let unaware = TestBench { subject: knowing.subject, ..unaware };
+    let settings =
+        Settings { faults: FaultMix::None, uncertainty: Uncertainty::NOMINAL, ..SETTINGS };
+    let drawn = Drive::draw(&settings, &knowing.subject, 0);
+    let manoeuvre = Manoeuvre::DoubleLaneChange;
     let drive = Drive {
-        manoeuvre: Manoeuvre::DoubleLaneChange,
-        speed_m_per_s: 10.0,
-        v_x_noise_m_per_s: 0.0,
-        r_noise_rad_per_s: 0.0,
-        v_x_bias_m_per_s: 0.0,
-        r_bias_rad_per_s: 0.0,
-        ..Drive::draw(
-            &Settings { faults: FaultMix::None, uncertainty: Uncertainty::NOMINAL, ..SETTINGS },
-            &knowing.subject,
-            0,
-        )
+        plan: Plan { manoeuvre, speed_m_per_s: 10.0, ..drawn.plan },
+        noise: SensorNoise::default(),
+        sensor_bias: [0.0; 2],
+        ..drawn
     };
-    assert_eq!((drive.actuator_lag_s, drive.actuator_delay_s), (0.1, 0.05));
+    assert_eq!(drive.actuator, actuator);
     let [by_knowing, by_unaware] = [&knowing, &unaware].map(|bench| {
         let mut largest = 0.0_f64;
         bench.run(&drive, |sample| largest = largest.max(sample.j_rms)).unwrap();
@@ -127,25 +125,27 @@ fn drives_are_driven_through_their_actuator() {
 fn samples_carry_what_the_drive_describes() {
     let bench = bench();
     let drives = (0..200).map(|index| Drive::draw(&SETTINGS, &SUBJECT, index));
-    for drive in drives.filter(|drive| drive.fault_deg.is_some()).take(20) {
-        let onset_s = drive.onset_s.unwrap();
-        let quiet = Drive {
-            v_x_noise_m_per_s: 0.0,
-            r_noise_rad_per_s: 0.0,
-            v_x_bias_m_per_s: 0.5,
-            r_bias_rad_per_s: -0.01,
-            ..drive
-        };
+    let sized = drives.filter_map(|drive| {
+        let fault = drive.fault?;
+        match fault.kind {
+            FaultKind::Bias { angle_rad }
+            | FaultKind::Drift { angle_rad, .. }
+            | FaultKind::Oscillation { angle_rad, .. } => Some((drive, fault.onset_s, angle_rad)),
+            _ => None,
+        }
+    });
+    for (drive, onset_s, angle_rad) in sized.take(20) {
+        let quiet = Drive { noise: SensorNoise::default(), sensor_bias: [0.5, -0.01], ..drive };
         let mut samples = Vec::new();
         bench.run(&quiet, |sample| samples.push(*sample)).unwrap();
         let first = samples[0];
-        assert!((first.v_x - quiet.speed_m_per_s - 0.5).abs() < 1e-12);
+        assert!((first.v_x - quiet.plan.speed_m_per_s - 0.5).abs() < 1e-12);
         assert!((first.r + 0.01).abs() < 1e-12);
         for sample in samples {
             if sample.time < onset_s {
                 assert_eq!(sample.fault, 0.0);
             }
-            assert!(sample.fault.abs() <= quiet.fault_deg.unwrap().abs().to_radians() + 1e-15);
+            assert!(sample.fault.abs() <= angle_rad.abs() + 1e-15);
             let wind = sample.side_force.abs();
             assert!(wind <= 0.5 * 1.2 * 4.4 * 10.0 * (sample.v_x.powi(2) + 100.0).sqrt() + 1e-9);
         }

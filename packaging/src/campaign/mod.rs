@@ -7,14 +7,11 @@
 //! - Drives are grouped in blocks of [`folder::BLOCK`]; a block is the unit of work and of storage.
 
 pub mod drive;
+pub mod drive_record;
 mod error;
-pub mod fault;
 pub mod folder;
-pub mod gust;
-mod kind;
-pub mod manoeuvre;
+pub mod names;
 pub mod outcome;
-pub mod random;
 mod record;
 pub mod report;
 pub mod settings;
@@ -32,6 +29,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use drive::Drive;
+use drive_record::DriveRecord;
 pub use error::CampaignError;
 use folder::Folder;
 use settings::Settings;
@@ -107,7 +105,7 @@ impl Shard {
 pub fn row(bench: &TestBench, settings: &Settings, index: u64) -> Result<Row, CampaignError> {
     let drive = Drive::draw(settings, &bench.subject, index);
     let outcome = bench.run(&drive, |_| ()).map_err(CampaignError::drive(index))?;
-    Ok(Row { drive, outcome })
+    Ok(Row { drive: DriveRecord::from(&drive), outcome })
 }
 
 /// Drives and writes `blocks` on `jobs` workers; `progress` hears the number of drives done.

@@ -14,8 +14,7 @@
 use serde::Serialize;
 use steerguard_detector::Interval;
 
-use super::fault::FaultKind;
-use super::manoeuvre::Manoeuvre;
+use super::names::{FaultName, ManoeuvreName};
 use super::outcome::Verdict;
 use super::statistics::{
     CONFIDENCE, Estimate, probability, probability_at_least, quantile, rate_per_hour,
@@ -120,7 +119,7 @@ impl Report {
         for band in &bands {
             false_alarms.push(FalseAlarms::of(band.name(), &band.select(&all)));
         }
-        for manoeuvre in Manoeuvre::ALL {
+        for manoeuvre in ManoeuvreName::ALL {
             let rows = filtered(&all, |row| row.drive.manoeuvre == *manoeuvre);
             false_alarms.push(FalseAlarms::of(manoeuvre.name().into(), &rows));
         }
@@ -128,7 +127,7 @@ impl Report {
 
         let (mut detections, mut detections_by_speed, mut detections_by_size) =
             (Vec::new(), Vec::new(), Vec::new());
-        for kind in FaultKind::ALL.iter().filter(|kind| **kind != FaultKind::None) {
+        for kind in FaultName::ALL.iter().filter(|kind| **kind != FaultName::None) {
             let faults = filtered(&all, |row| row.drive.fault == *kind);
             detections.push(Detections::of(*kind, "all".into(), &faults));
             for band in &bands {
@@ -269,7 +268,7 @@ impl FalseAlarms {
 }
 
 impl Detections {
-    fn of(kind: FaultKind, group: String, faults: &[&Row]) -> Self {
+    fn of(kind: FaultName, group: String, faults: &[&Row]) -> Self {
         let is = |verdict| move |row: &Row| row.outcome.verdict == verdict;
         let tried = filtered(faults, |row| is(Verdict::Detected)(row) || is(Verdict::Missed)(row));
         let detected = count(&tried, is(Verdict::Detected));
@@ -399,16 +398,23 @@ fn estimate(estimate: Option<Estimate>) -> String {
 mod tests {
     use super::*;
     use crate::campaign::drive::Drive;
+    use crate::campaign::drive_record::DriveRecord;
     use crate::campaign::outcome::Outcome;
     use crate::campaign::settings::tests::{PAPER, SETTINGS};
 
     /// A straight drive at 10 m/s, monitored for half an hour before any fault.
-    fn row(fault: FaultKind, verdict: Verdict, false_alarms: u32, delay_s: Option<f64>) -> Row {
-        let drive = Drive::draw(&SETTINGS, &PAPER, 0);
-        let manoeuvre = Manoeuvre::Straight;
+    fn row(fault: FaultName, verdict: Verdict, false_alarms: u32, delay_s: Option<f64>) -> Row {
+        let drive = DriveRecord::from(&Drive::draw(&SETTINGS, &PAPER, 0));
+        let manoeuvre = ManoeuvreName::Straight;
         let exposed_s = delay_s.map(|_| 1800.0);
         Row {
-            drive: Drive { fault, manoeuvre, speed_m_per_s: 10.0, duration_s: 3600.0, ..drive },
+            drive: DriveRecord {
+                fault,
+                manoeuvre,
+                speed_m_per_s: 10.0,
+                duration_s: 3600.0,
+                ..drive
+            },
             outcome: Outcome {
                 verdict,
                 false_alarms,
@@ -432,11 +438,11 @@ mod tests {
     #[test]
     fn every_drive_is_counted_where_it_belongs() {
         let rows = [
-            row(FaultKind::None, Verdict::FaultFree, 3, None),
-            row(FaultKind::Bias, Verdict::Detected, 0, Some(0.2)),
-            row(FaultKind::Bias, Verdict::Missed, 0, None),
-            row(FaultKind::Bias, Verdict::Masked, 1, None),
-            row(FaultKind::Stuck, Verdict::NotExposed, 0, None),
+            row(FaultName::None, Verdict::FaultFree, 3, None),
+            row(FaultName::Bias, Verdict::Detected, 0, Some(0.2)),
+            row(FaultName::Bias, Verdict::Missed, 0, None),
+            row(FaultName::Bias, Verdict::Masked, 1, None),
+            row(FaultName::Stuck, Verdict::NotExposed, 0, None),
         ];
         let report = Report::of(&rows, PAPER.armed_v_x);
         assert_eq!((report.drives, report.driven_h, report.monitored_h), (5, 5.0, 2.5));

@@ -1,16 +1,12 @@
 //! One drive through the packaged FMUs.
 
-use steerguard_detector::{Actuator, Gust};
+use steerguard_world::Tyres;
 
 use super::drive::Drive;
-use super::fault;
-use super::gust;
-use super::manoeuvre::Course;
 use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
 use super::wheel::Wheel;
 use crate::drive::cosimulation::{CosimulationError, Excitation, Rig, Sample};
-use crate::drive::scenario::SensorNoise;
 use crate::importer::{Fmu, Type};
 
 /// What the drives need: both FMUs and the design under test.
@@ -35,18 +31,22 @@ impl TestBench {
     ) -> Result<Outcome, CosimulationError> {
         let step_s = self.subject.period_s;
         let steps = libm::round(drive.duration_s / step_s) as u32;
-        let course = Course::of(drive, &self.subject);
-        let actuator = Actuator {
-            lag_s: drive.actuator_lag_s,
-            delay_s: drive.actuator_delay_s,
-            ..self.subject.actuator
-        };
-        let wheel = Wheel::new(&course, &actuator, step_s, steps);
+        let (course, wind) = (drive.course(&self.subject), drive.wind(&self.subject));
+        let wheel = Wheel::new(&course, &drive.actuator, step_s, steps);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
-        rig.set_actuator(&self.plant, &actuator)?;
-        let excite = |t, v_x| excitation(drive, self.subject.gust, &course, &wheel, t, v_x);
-        rig.initialise(drive.duration_s, &excite(0.0, drive.speed_m_per_s))?;
+        let excite = |t, v_x| {
+            let [side_force, yaw_moment] = wind.side_force_and_yaw_moment(t, v_x);
+            Excitation {
+                drive_torque: course.drive_torque_n_m(t, v_x),
+                steering_angle: course.steering_rad(t),
+                fault: drive.fault.map_or(0.0, |f| f.angle_rad(t, |t| wheel.angle_rad(t))),
+                side_force,
+                yaw_moment,
+                sensor_bias: drive.sensor_bias,
+            }
+        };
+        rig.initialise(drive.duration_s, &excite(0.0, drive.plan.speed_m_per_s))?;
 
         let mut observation = Observation::default();
         for k in 0..steps {
@@ -56,55 +56,29 @@ impl TestBench {
             record(&sample);
         }
         rig.terminate()?;
-        Ok(observation.outcome(step_s, drive.onset_s))
+        Ok(observation.outcome(step_s, drive.fault.map(|fault| fault.onset_s)))
     }
 
-    /// Gives the plant the vehicle, road, tyres and sensors of `drive`.
+    /// Gives the plant the vehicle, road, tyres, actuator and sensors of `drive`.
     fn set_up(&self, rig: &mut Rig, drive: &Drive) -> Result<(), CosimulationError> {
-        let nominal = &self.subject.vehicle;
+        let vehicle = &drive.vehicle;
         let reals = [
-            ("initial.v_x", drive.speed_m_per_s),
-            ("vehicle.M_v", drive.mass_kg),
-            // I_e is mass times wheel radius.
-            (
-                "vehicle.I_e",
-                nominal.effective_longitudinal_inertia_kg_m * drive.mass_kg / nominal.mass_kg,
-            ),
-            ("vehicle.I_z", drive.yaw_inertia_kg_m2),
-            ("vehicle.C_f", drive.front_cornering_stiffness_n_per_rad),
-            ("vehicle.C_r", drive.rear_cornering_stiffness_n_per_rad),
-            ("tyre.friction", drive.friction.unwrap_or(1.0)),
+            ("initial.v_x", drive.plan.speed_m_per_s),
+            ("vehicle.M_v", vehicle.mass_kg),
+            ("vehicle.I_e", vehicle.effective_longitudinal_inertia_kg_m),
+            ("vehicle.I_z", vehicle.yaw_inertia_kg_m2),
+            ("vehicle.C_f", vehicle.front_cornering_stiffness_n_per_rad),
+            ("vehicle.C_r", vehicle.rear_cornering_stiffness_n_per_rad),
             ("road.bank", drive.bank_deg.to_radians()),
         ];
         rig.plant
             .set_real(self.plant.reals(reals.map(|(name, _)| name))?, reals.map(|(_, x)| x))?;
-        let limited = self.plant.variable("tyre.friction_limited", Type::Boolean)?;
-        rig.plant.set_boolean([limited], [drive.friction.is_some().into()])?;
-        let noise = SensorNoise {
-            v_x_std_m_per_s: drive.v_x_noise_m_per_s,
-            r_std_rad_per_s: drive.r_noise_rad_per_s,
-            seed: drive.noise_seed,
-        };
-        rig.set_noise(&self.plant, &noise, self.subject.period_s)
-    }
-}
-
-/// What acts at time `t` at the speed `v_x` that the plant gives.
-fn excitation(
-    drive: &Drive,
-    gust: Gust,
-    course: &Course,
-    wheel: &Wheel,
-    t: f64,
-    v_x: f64,
-) -> Excitation {
-    let [side_force, yaw_moment] = gust::side_force_and_yaw_moment(drive, gust, t, v_x);
-    Excitation {
-        drive_torque: course.drive_torque_n_m(t, v_x),
-        steering_angle: course.steering_rad(t),
-        fault: fault::angle_rad(drive, t, |t| wheel.angle_rad(t)),
-        side_force,
-        yaw_moment,
-        sensor_bias: [drive.v_x_bias_m_per_s, drive.r_bias_rad_per_s],
+        if let Tyres::Saturating { friction } = drive.tyres {
+            rig.plant.set_real(self.plant.reals(["tyre.friction"])?, [friction])?;
+            let limited = self.plant.variable("tyre.friction_limited", Type::Boolean)?;
+            rig.plant.set_boolean([limited], [1])?;
+        }
+        rig.set_actuator(&self.plant, &drive.actuator)?;
+        rig.set_noise(&self.plant, &drive.noise, self.subject.period_s)
     }
 }

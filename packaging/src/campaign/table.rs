@@ -1,7 +1,7 @@
 //! Tables as Parquet files, and the rows of a campaign as one of them, a row a drive.
 //!
 //! # Conventions
-//! Columns of a campaign's rows have the names of the fields of [`Drive`] and [`Outcome`], units in the
+//! Columns of a campaign's rows have the names of the fields of [`DriveRecord`] and [`Outcome`], units in the
 //! names. The bytes depend on rows and metadata only. Uncompressed: any reader can read it.
 
 use std::io::Write;
@@ -16,7 +16,7 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 use serde::{Deserialize, Serialize};
 
-use super::drive::Drive;
+use super::drive_record::DriveRecord;
 use super::outcome::Outcome;
 use super::record::{Kind, Value};
 
@@ -28,7 +28,7 @@ const GROUP: usize = 1 << 16;
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// What was driven.
-    pub drive: Drive,
+    pub drive: DriveRecord,
     /// What it showed.
     pub outcome: Outcome,
 }
@@ -37,7 +37,7 @@ pub struct Row {
 pub type Column<R> = (&'static str, Kind, Box<dyn Fn(&R) -> Value>);
 
 fn columns() -> Vec<Column<Row>> {
-    let drive = Drive::COLUMNS.iter().map(|&(name, kind, cell)| -> Column<Row> {
+    let drive = DriveRecord::COLUMNS.iter().map(|&(name, kind, cell)| -> Column<Row> {
         (name, kind, Box::new(move |row| cell(&row.drive)))
     });
     let outcome = Outcome::COLUMNS.iter().map(|&(name, kind, cell)| -> Column<Row> {

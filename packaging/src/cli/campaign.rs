@@ -15,7 +15,9 @@ use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
 use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};
 use crate::campaign::simulation::TestBench;
-use crate::campaign::{self, CampaignError, Manifest, drive::Drive, signals, table::Row};
+use crate::campaign::{
+    self, CampaignError, Manifest, drive::Drive, drive_record::DriveRecord, signals, table::Row,
+};
 use crate::cli::arguments::CampaignArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
@@ -135,10 +137,13 @@ fn drive_one(
     let drive = Drive::draw(settings, &bench.subject, index);
     let mut samples = Vec::new();
     let outcome = bench.run(&drive, |sample| samples.push(*sample)).map_err(Failure::bad)?;
-    let run =
-        Run { initial_speed_m_per_s: drive.speed_m_per_s, step_s: bench.subject.period_s, samples };
+    let run = Run {
+        initial_speed_m_per_s: drive.plan.speed_m_per_s,
+        step_s: bench.subject.period_s,
+        samples,
+    };
     let text = String::from_utf8(csv(&run).map_err(Failure::bad)?).map_err(Failure::bad)?;
-    print(json, &Row { drive, outcome }, &text)?;
+    print(json, &Row { drive: DriveRecord::from(&drive), outcome }, &text)?;
     Ok(Exit::Done)
 }
 
