@@ -141,10 +141,10 @@ fn bounds_agree_with_an_independent_solver() {
 #[test]
 fn white_noise_without_a_bound_is_refused() {
     for (text, parts) in [
-        (String::new(), ["`noise.v_x.bound_m_per_s` = not given", "white noise has none", "0.08"]),
+        (String::new(), ["`noise.v_x.bound_m_per_s` is missing", "white noise has none", "0.08"]),
         (
             "noise.v_x.bound_m_per_s = 0.05\n".into(),
-            ["`noise.r.bound_rad_per_s` = not given", "noise.r.white_std_rad_per_s = 0", "0.008"],
+            ["`noise.r.bound_rad_per_s` is missing", "noise.r.white_std_rad_per_s = 0", "0.008"],
         ),
     ] {
         let message = Spec::from_toml(&format!("{GUARANTEED}{text}")).unwrap_err().to_string();

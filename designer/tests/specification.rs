@@ -196,15 +196,21 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("evaluation.window_samples = 0", &["= 0", "from 1 to 256"]),
         ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
         ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
-        ("evaluation.threshold = 'constant'", &["= \"constant\"", "with `evaluation.constant`"]),
+        (
+            "evaluation.threshold = 'constant'",
+            &["`evaluation.constant` is missing", "another kind"],
+        ),
         (
             "evaluation.threshold = 'constant'\nevaluation.constant = 0",
             &["`evaluation.constant` = 0.0", "> 0"],
         ),
-        ("evaluation.constant = 0.001", &["`evaluation.constant` = 0.001", "\"constant\" only"]),
+        (
+            "evaluation.constant = 0.001",
+            &["`evaluation.constant` = 0.001", "threshold = \"constant\""],
+        ),
         (
             "evaluation.threshold = 'guaranteed'",
-            &["`noise.v_x.bound_m_per_s` = not given", "4 standard deviations, 0.08"],
+            &["`noise.v_x.bound_m_per_s` is missing", "4 standard deviations, 0.08"],
         ),
         (
             "uncertainty.mass_percent = [5, 10]",

@@ -28,6 +28,12 @@ fn rendered() -> Rendered {
     describe(&INFO, start, &EXPERIMENT).unwrap()
 }
 
+/// A change of names, types, references or structure is a change of the stored file.
+#[test]
+fn the_description_is_the_stored_one() {
+    insta::assert_snapshot!("description", rendered().xml);
+}
+
 #[test]
 fn the_table_is_sound() {
     let table = DetectorVariable::TABLE;

@@ -7,10 +7,11 @@ use steerguard::cli;
 use steerguard::cli::arguments::Cli;
 
 fn main() -> ExitCode {
-    match cli::run(&Cli::parse()) {
+    let arguments = Cli::parse();
+    match cli::run(&arguments) {
         Ok(exit) => exit.into(),
         Err(failure) => {
-            failure.report();
+            failure.report(arguments.json);
             failure.exit.into()
         }
     }

@@ -41,5 +41,8 @@ fn the_detector_links_nothing_of_the_designer() {
 
 #[test]
 fn the_reference_vehicle_links_nothing_of_the_designer() {
-    assert_eq!(linked("steerguard-plant-cdylib"), with_common(&["steerguard-plant"]));
+    assert_eq!(
+        linked("steerguard-plant-cdylib"),
+        with_common(&["steerguard-plant", "steerguard-world"])
+    );
 }

@@ -207,6 +207,19 @@ fn a_design_is_made_anew_from_the_specification_inside_an_old_one() {
     assert_eq!(new["format"], "steerguard-design/2");
     assert_eq!(new["spec"]["evaluation"]["calibration"], few);
 
+    // Nothing is written over what is read, under whatever name.
+    let before = fs::read(path.join("old.json")).unwrap();
+    for output in ["old.json", "./old.json"] {
+        failure(
+            path,
+            &["design", "old.json", "-o", output],
+            2,
+            &["written over itself", "-o FILE"],
+        );
+    }
+    failure(path, &["package", "new.json", "-o", "new.json"], 2, &["written over itself"]);
+    assert_eq!(fs::read(path.join("old.json")).unwrap(), before);
+
     // An empty specification is legal, an empty design is not.
     fs::write(path.join("empty.json"), "").unwrap();
     failure(path, &["design", "empty.json"], 2, &["empty", "empty.json", "help: "]);

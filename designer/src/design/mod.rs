@@ -413,3 +413,32 @@ fn statement(theorem: &Theorem4) -> String {
         input("f", theorem.fault.band),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use steerguard_verify::{Status, verify};
+
+    use super::*;
+
+    /// A certificate that its proof refutes leaves a design that claims no figures, and says why.
+    #[test]
+    fn a_design_without_proof_claims_nothing() -> Result<(), DesignError> {
+        let proven = Design::from_json(include_str!("../../verify/tests/fixtures/paper.json"))?;
+        let mut design = proven.clone();
+        design.synthesis.status = DesignStatus::AlmostSolved;
+        for gain in design.certificate.a_posteriori.iter_mut().map(|x| &mut x.beta.gain) {
+            *gain *= 1.01;
+        }
+        let signed = sign(design)?;
+        assert_eq!(signed.synthesis.status, DesignStatus::AlmostSolved);
+        let missed = signed.synthesis.unproven.as_deref().unwrap_or_default();
+        assert!(missed.contains("fault sensitivity, beta"), "{missed}");
+        assert_eq!(signed.performance.certified, None);
+        assert_eq!(signed.certificate.a_posteriori, None);
+        assert_eq!(signed.detector, proven.detector);
+        let verdict = verify(&signed.to_json()?).unwrap_or_else(|refusal| panic!("{refusal}"));
+        assert_eq!((verdict.status, verdict.figures), (Status::AlmostSolved, None));
+        assert_eq!(sign(proven.clone())?, proven);
+        Ok(())
+    }
+}

@@ -104,7 +104,11 @@ impl Mistakes {
 
 fn diagnostic(mistake: &Mistake, document: &DeTable<'_>, source: &Source) -> Diagnostic {
     let mut diagnostic = Diagnostic::new(Level::Error, mistake.title());
-    let place = place::locate(document, &mistake.key);
+    let locate = |path| place::locate(document, path).filter(|place| place.whole);
+    let place = match mistake.kind {
+        MistakeKind::MissingKey => locate(place::parent(&mistake.key)),
+        _ => locate(&mistake.key),
+    };
     let text = match &mistake.kind {
         MistakeKind::Syntax { .. } => String::new(),
         MistakeKind::UnknownKey { nearest: Some(nearest), .. } => {
@@ -114,7 +118,8 @@ fn diagnostic(mistake: &Mistake, document: &DeTable<'_>, source: &Source) -> Dia
             diagnostic.notes.push(format!("known here are {}", known.join(", ")));
             String::new()
         }
-        MistakeKind::MissingKey => "in this table".into(),
+        MistakeKind::MissingKey if place.is_some() => "in this table".into(),
+        MistakeKind::MissingKey => String::new(),
         MistakeKind::Type { found, expected } => format!("expected {expected}, found {found}"),
         MistakeKind::Value { allowed, .. } => format!("allowed is {allowed}"),
     };
@@ -130,7 +135,7 @@ fn diagnostic(mistake: &Mistake, document: &DeTable<'_>, source: &Source) -> Dia
         None => diagnostic.notes.push(text),
     }
     for key in &mistake.because_of {
-        match place::locate(document, key).filter(|place| place.whole) {
+        match locate(key) {
             Some(place) => {
                 let text = "because of this".into();
                 diagnostic.labels.push(Label { span: place.value, text });

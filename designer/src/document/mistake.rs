@@ -64,6 +64,11 @@ impl Mistake {
         Self { key, kind, help: String::new(), because_of: Vec::new(), default: None }
     }
 
+    /// `key` is missing, though it may be left out elsewhere.
+    pub fn missing(key: impl Into<String>) -> Self {
+        Self::new(key, MistakeKind::MissingKey)
+    }
+
     /// The `value` at `key` is not possible.
     pub fn value(
         key: impl Into<String>,

@@ -2,7 +2,7 @@
 //!
 //! # Conventions
 //! - A path names a key from the document's root, such as `fault[1].smallest_deg`; indices count
-//!   from 0.
+//!   from 0, and a key that is not bare stands in quotes.
 //! - A key left out has its default; what has none is found missing.
 
 mod allowed;
@@ -13,6 +13,7 @@ mod serde_message;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_path_to_error::Segment;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Error};
 
@@ -72,7 +73,11 @@ where
 /// The value, or the path at which it is refused and why.
 fn deserialize<T: DeserializeOwned>(document: Spanned<DeTable<'_>>) -> Result<T, (String, Error)> {
     serde_path_to_error::deserialize(toml::Deserializer::from(document)).map_err(|error| {
-        let path = error.path().to_string();
+        let path = error.path().iter().fold(String::new(), |path, segment| match segment {
+            Segment::Seq { index } => format!("{path}[{index}]"),
+            Segment::Map { key } | Segment::Enum { variant: key } => place::join(&path, key),
+            Segment::Unknown => path,
+        });
         (path, error.into_inner())
     })
 }
@@ -88,7 +93,7 @@ fn culprit<T: DeserializeOwned>(
         return path;
     }
     let Some(DeValue::Table(table)) = place::find(document.get_ref(), &path) else { return path };
-    let mut keys = table.keys().map(|key| format!("{path}.{}", key.get_ref()));
+    let mut keys = table.keys().map(|key| place::join(&path, key.get_ref()));
     let is_culprit = |key: &String| {
         let mut without = document.clone();
         place::remove(without.get_mut(), key);

@@ -6,11 +6,16 @@
 use toml::de::{DeValue, Error};
 
 use super::mistake::{Mistake, MistakeKind};
+use super::place;
 
 /// Longest part of a value that is repeated, characters.
 const SHOWN: usize = 24;
 /// Names at least this similar may have been meant (Sorensen-Dice).
 const SIMILAR: f64 = 0.5;
+
+/// How TOML is written.
+const GRAMMAR: &str = "write `key = value`: numbers as 1450 or 1.5e3, texts in quotes, lists as [1, 2]; `[table]` begins \
+     a table, `[[table]]` one more of several";
 
 /// A mistake of the parser's.
 pub(super) fn syntax(error: &Error, text: &str) -> Mistake {
@@ -19,7 +24,7 @@ pub(super) fn syntax(error: &Error, text: &str) -> Mistake {
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
     let message = error.message().to_string();
-    Mistake::new("", MistakeKind::Syntax { message, at, position: [line, column] })
+    Mistake::new("", MistakeKind::Syntax { message, at, position: [line, column] }).help(GRAMMAR)
 }
 
 /// Whether `error` refuses a value for itself, not a key.
@@ -36,14 +41,16 @@ pub(super) fn mistake(path: &str, error: &Error, value: Option<&DeValue<'_>>) ->
     let known: Vec<String> = names.map(str::to_owned).collect();
 
     if message.starts_with("unknown field") {
-        let table = path.strip_suffix(name).unwrap_or(path).trim_end_matches('.');
+        // Of a table whose keys depend on its kind, the path is that of the table.
+        let key = if place::ends_with(path, name) { path.into() } else { place::join(path, name) };
         let nearest = nearest(name, &known);
         let has_unit = nearest.as_ref().is_some_and(|nearest| nearest.contains('_'));
-        let mistake = Mistake::new(join(table, name), MistakeKind::UnknownKey { nearest, known });
+        let mistake = Mistake::new(key, MistakeKind::UnknownKey { nearest, known });
         return if has_unit { mistake.help("the unit is part of the key") } else { mistake };
     }
     if message.starts_with("missing field") {
-        return Mistake::new(join(path, name), MistakeKind::MissingKey).help("it has no default");
+        return Mistake::new(place::join(path, name), MistakeKind::MissingKey)
+            .help("it has no default");
     }
     if message.starts_with("unknown variant") {
         let nearest = nearest(name, &known);
@@ -57,10 +64,6 @@ pub(super) fn mistake(path: &str, error: &Error, value: Option<&DeValue<'_>>) ->
     let expected = message.rsplit_once("expected ").map_or(message, |(_, expected)| expected);
     let found = value.map_or_else(|| "something else".into(), found);
     Mistake::new(path, MistakeKind::Type { found, expected: plain(expected) })
-}
-
-fn join(table: &str, key: &str) -> String {
-    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }
 
 /// The name that may have been meant.

@@ -132,12 +132,15 @@ impl Calibration {
         }
         let range = "operating_range.v_y_m_per_s";
         if mistakes.sound(range) {
-            for (index, &v_y) in self.initial_v_y_m_per_s.iter().enumerate() {
-                let allowed = Allowed::between(min, max);
-                mistakes.unless(allowed.holds(v_y), || {
-                    let key = format!("{table}.initial_v_y_m_per_s[{index}]");
-                    Mistake::value(key, v_y, allowed).because_of(range)
-                });
+            let allowed = Allowed::between(min, max);
+            let mut speeds = self.initial_v_y_m_per_s.iter().enumerate();
+            if let Some((index, v_y)) = speeds.find(|(_, v_y)| !allowed.holds(**v_y)) {
+                let key = format!("{table}.initial_v_y_m_per_s[{index}]");
+                mistakes.add(
+                    Mistake::value(key, v_y, allowed)
+                        .help("set initial lateral speeds within the range")
+                        .because_of(range),
+                );
             }
         }
     }

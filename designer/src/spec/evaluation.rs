@@ -77,29 +77,33 @@ impl Evaluation {
             Mistake::value("evaluation.weights", weights, allowed)
         });
         mistakes.number("evaluation.margin", self.margin, Allowed::between(1.0, 100.0));
-        match (self.threshold, self.constant) {
-            (ThresholdKind::Constant, Some(constant)) => {
-                mistakes.number("evaluation.constant", constant, Allowed::POSITIVE);
-            }
-            (ThresholdKind::Constant, None) => mistakes.add(
-                Mistake::value("evaluation.threshold", "constant", "with `evaluation.constant`")
-                    .help("state `constant`, the threshold on J, or take another kind"),
-            ),
-            (_, Some(constant)) => mistakes.add(
-                Mistake::value(
-                    "evaluation.constant",
-                    constant,
-                    "with threshold = \"constant\" only",
-                )
-                .help("remove it, or set threshold = \"constant\"")
-                .because_of("evaluation.threshold"),
-            ),
-            (_, None) => {}
+        if mistakes.sound("evaluation.threshold") {
+            self.check_constant(mistakes);
         }
         let debounce = self.debounce_samples;
         mistakes.unless(debounce >= 1, || {
             Mistake::value("evaluation.debounce_samples", debounce, "1 or more")
         });
         self.calibration.check(mistakes);
+    }
+
+    fn check_constant(&self, mistakes: &mut Mistakes) {
+        let (threshold, key) = ("evaluation.threshold", "evaluation.constant");
+        match (self.threshold, self.constant) {
+            (ThresholdKind::Constant, Some(constant)) => {
+                mistakes.number(key, constant, Allowed::POSITIVE);
+            }
+            (ThresholdKind::Constant, None) => mistakes.add(
+                Mistake::missing(key)
+                    .help("state the threshold on J, or take another kind")
+                    .because_of(threshold),
+            ),
+            (_, Some(constant)) => mistakes.add(
+                Mistake::value(key, constant, "nothing, unless threshold = \"constant\"")
+                    .help("remove it, or set threshold = \"constant\"")
+                    .because_of(threshold),
+            ),
+            (_, None) => {}
+        }
     }
 }

@@ -93,7 +93,7 @@ impl Noise {
         for NoiseOfSignal { at, unit, white_std, bound, .. } in self.signals() {
             mistakes.unless(bound.is_some() || white_std == 0.0, || {
                 let key = format!("{at}.bound_{unit}");
-                Mistake::value(key, format_args!("not given"), Allowed::POSITIVE)
+                Mistake::missing(key)
                     .help(format!(
                         "a guaranteed threshold covers noise up to a bound, and white noise has \
                          none: 4 standard deviations, {}, are rarely exceeded; or set \

@@ -1,6 +1,6 @@
 //! The error dynamics at frozen operating points: gains and noise, in double precision.
 //!
-//! At constant v_x, v_y, r the error `e = x - x^ - E D_y v` obeys (METHOD.md 5)
+//! At constant v_x, v_y, r the error `e = x - x^ - E D_y v` obeys (method 5)
 //!
 //! ```text
 //! e+    = N e + M D d + M F f + (-L(h) + M G rho [0 1 0] E - M K) D_y v

@@ -31,6 +31,16 @@ fn exit_status_tells_proven_from_changed_from_unreadable() {
     let error = String::from_utf8(refused.stderr).unwrap();
     assert!(error.contains("not certified") && error.contains("hash"), "{error}");
 
+    let mut design: serde_json::Value = serde_json::from_str(&text).unwrap();
+    design["synthesis"]["status"] = "uncertified".into();
+    design["performance"]["certified"] = serde_json::Value::Null;
+    design["certificate"]["a_posteriori"] = serde_json::Value::Null;
+    design["hash"] = steerguard_verify::content_hash(&design).unwrap().into();
+    let uncertified = run(&[&file("uncertified.json", &design.to_string())]);
+    assert_eq!(uncertified.status.code(), Some(1));
+    let printed = String::from_utf8(uncertified.stdout).unwrap();
+    assert!(printed.starts_with("not certified, as it says of itself"), "{printed}");
+
     let foreign = file("foreign.json", "{\"format\": \"another\"}");
     for arguments in [&[][..], &[Path::new("no such file")], &[&foreign], &[&foreign, &foreign]] {
         let output = run(arguments);

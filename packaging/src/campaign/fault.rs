@@ -8,27 +8,7 @@
 use std::f64::consts::TAU;
 
 use super::drive::Drive;
-use super::record::named;
-
-named! {
-    /// Kind of a fault.
-    pub enum FaultKind {
-        /// None.
-        None = "none",
-        /// A constant angle from the onset on.
-        Bias = "bias",
-        /// An angle that grows in proportion to time up to its size.
-        Drift = "drift",
-        /// The wheel stays where it was at the onset.
-        Stuck = "stuck",
-        /// The wheel follows a share of the command.
-        LossOfEffectiveness = "loss of effectiveness",
-        /// A sine is added.
-        Oscillation = "oscillation",
-        /// The wheel follows the command late; it stands still first.
-        Delay = "delay",
-    }
-}
+pub use super::kind::FaultKind;
 
 /// Angle in rad that the fault of `drive` adds at time `t` to the healthy actuator's `steering`.
 pub fn angle_rad(drive: &Drive, t: f64, steering: impl Fn(f64) -> f64) -> f64 {

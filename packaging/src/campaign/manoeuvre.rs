@@ -13,7 +13,7 @@ use steerguard_detector::Vehicle;
 use steerguard_world::steady_angle;
 
 use super::drive::Drive;
-use super::record::named;
+pub use super::kind::Manoeuvre;
 use super::settings::Subject;
 
 /// Lateral offset of the double lane change (ISO 3888-1), m.
@@ -35,26 +35,6 @@ const STANDSTILL_S: f64 = 2.0;
 const GENTLE_STEERING_HZ: f64 = 0.1;
 /// Time constant of the speed control, s.
 const SPEED_CONTROL_S: f64 = 1.0;
-
-named! {
-    /// Course of steering and speed.
-    pub enum Manoeuvre {
-        /// ISO 3888-1, by an open-loop substitute.
-        DoubleLaneChange = "double lane change",
-        /// ISO 13674-1: a sine of 0.2 Hz.
-        Weave = "weave",
-        /// ISO 7401: a fast ramp, held.
-        StepSteer = "step steer",
-        /// ISO 19365: 0.7 Hz, 0.5 s dwell at the second peak.
-        SineWithDwell = "sine with dwell",
-        /// No steering.
-        Straight = "straight",
-        /// Right, three quarters around to the left, right; or mirrored.
-        Roundabout = "roundabout",
-        /// Down to and below the design's range, and up again, steering gently.
-        StopAndGo = "stop and go",
-    }
-}
 
 /// Steering and speed of a drive.
 #[derive(Clone, Copy, Debug)]

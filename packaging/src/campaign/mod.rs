@@ -11,6 +11,7 @@ mod error;
 pub mod fault;
 pub mod folder;
 pub mod gust;
+mod kind;
 pub mod manoeuvre;
 pub mod outcome;
 pub mod random;

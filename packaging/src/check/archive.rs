@@ -7,7 +7,7 @@ use steerguard_model_description::xml::Level;
 use zip::result::ZipError;
 use zip::{CompressionMethod, ZipArchive};
 
-use super::{Contents, DESCRIPTION, Findings};
+use super::findings::{Contents, DESCRIPTION, Findings};
 use crate::importer::{MAX_ENTRIES, MAX_UNPACKED_BYTES};
 
 /// Most bytes of an entry that are kept; of longer descriptions, icons and libraries only the fact

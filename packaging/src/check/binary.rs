@@ -13,7 +13,7 @@ use steerguard_fmu_core::{BLOCK_SIZE, BakedError, baked};
 use steerguard_model_description::detector::INFO as DETECTOR;
 use steerguard_model_description::xml::{Header, Implementation, digest};
 
-use super::{Contents, DESCRIPTION, Findings};
+use super::findings::{Contents, DESCRIPTION, Findings};
 use crate::platform::Platform;
 
 /// Functions for Co-Simulation alone.

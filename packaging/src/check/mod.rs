@@ -9,24 +9,14 @@
 
 mod archive;
 mod binary;
+mod findings;
 mod surroundings;
 
-use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 
-use steerguard_model_description::xml::{self, Finding, Level};
+use steerguard_model_description::xml::{self, Finding};
 
-/// Path of the description.
-const DESCRIPTION: &str = "modelDescription.xml";
-
-/// What was read of an FMU.
-#[derive(Debug, Default)]
-struct Contents {
-    /// Names of all entries.
-    names: Vec<String>,
-    /// Description, icon and libraries by name.
-    files: BTreeMap<String, Vec<u8>>,
-}
+use findings::{Contents, DESCRIPTION, Findings};
 
 /// Examines an FMU; `name` is what findings call the file.
 ///
@@ -53,30 +43,5 @@ fn description(contents: &Contents, findings: &mut Findings) {
     // What is no XML has been found above.
     if let Ok(header) = xml::header(text) {
         binary::check(contents, text, &header, findings);
-    }
-}
-
-/// The findings so far.
-struct Findings {
-    file: String,
-    list: Vec<Finding>,
-}
-
-impl Findings {
-    fn add(&mut self, level: Level, code: &'static str, message: String, at: &str, help: &str) {
-        let location = if at.is_empty() { self.file.clone() } else { at.to_owned() };
-        self.list.push(Finding { level, code, message, location, help: help.to_owned() });
-    }
-
-    fn error(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {
-        self.add(Level::Error, code, message.into(), at, help);
-    }
-
-    fn warning(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {
-        self.add(Level::Warning, code, message.into(), at, help);
-    }
-
-    fn note(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {
-        self.add(Level::Note, code, message.into(), at, help);
     }
 }

@@ -1,6 +1,6 @@
 //! What comes with an FMU: documentation and icon.
 
-use super::{Contents, Findings};
+use super::findings::{Contents, Findings};
 
 /// Path of the icon.
 pub(super) const ICON: &str = "model.png";

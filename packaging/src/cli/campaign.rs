@@ -9,7 +9,8 @@ use steerguard_designer::{Design, DesignStatus};
 use steerguard_model_description::names;
 
 use super::package::{self, caution};
-use super::{input, print, simulate};
+use super::print::print;
+use super::{input, simulate};
 use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
 use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use steerguard_model_description::xml::{Finding, Level};
 
-use super::print;
+use super::print::print;
 use crate::check::check;
 use crate::cli::arguments::CheckArguments;
 use crate::cli::failure::{Exit, Failure};

@@ -4,7 +4,8 @@ use serde::Serialize;
 use std::path::Path;
 use steerguard_designer::{Design, DesignStatus};
 
-use super::{input, print};
+use super::input;
+use super::print::print;
 use crate::cli::arguments::DesignArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
@@ -18,6 +19,7 @@ struct Outcome<'a> {
 }
 
 pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failure> {
+    input::apart(&arguments.spec, &arguments.output)?;
     let spec = input::spec(&arguments.spec)?;
     let design = {
         let progress = Progress::new();

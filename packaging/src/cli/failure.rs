@@ -3,6 +3,11 @@
 use std::fmt;
 use std::process::ExitCode;
 
+use serde::Serialize;
+use steerguard_designer::document::{Diagnostic, Level, Mistakes, Source};
+
+use crate::cli::diagnostic;
+
 /// How the command ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
@@ -24,23 +29,26 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// An error for people: what is wrong, where, and what to do.
+/// Why the command cannot do what was asked: for people and machines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
     /// Exit status that belongs to it.
     pub exit: Exit,
-    /// What is wrong.
-    pub what: String,
-    /// File, key or function.
-    pub place: Option<String>,
-    /// What to do.
-    pub help: Option<String>,
+    /// What is wrong, where, and what to do; at least one.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A failure as JSON.
+#[derive(Serialize)]
+struct Record<'a> {
+    diagnostics: Vec<diagnostic::Record<'a>>,
 }
 
 impl Failure {
     /// Bad usage or input.
     pub fn bad(what: impl fmt::Display) -> Self {
-        Self { exit: Exit::Bad, what: what.to_string(), place: None, help: None }
+        let diagnostics = vec![Diagnostic::new(Level::Error, what.to_string())];
+        Self { exit: Exit::Bad, diagnostics }
     }
 
     /// The answer is no.
@@ -48,27 +56,38 @@ impl Failure {
         Self { exit: Exit::No, ..Self::bad(what) }
     }
 
-    /// The same with a place.
-    pub fn at(self, place: impl fmt::Display) -> Self {
-        Self { place: Some(place.to_string()), ..self }
+    /// What is wrong in a document that somebody wrote.
+    pub fn mistakes(mistakes: &Mistakes, source: &Source) -> Self {
+        Self { exit: Exit::Bad, diagnostics: mistakes.diagnostics(source) }
+    }
+
+    /// The same with a place, for what has none.
+    pub fn at(mut self, place: impl fmt::Display) -> Self {
+        for diagnostic in &mut self.diagnostics {
+            diagnostic.place = Some(place.to_string());
+        }
+        self
     }
 
     /// The same with advice.
-    pub fn help(self, help: impl fmt::Display) -> Self {
-        Self { help: Some(help.to_string()), ..self }
+    pub fn help(mut self, help: impl fmt::Display) -> Self {
+        if let Some(last) = self.diagnostics.last_mut() {
+            last.help.push(help.to_string());
+        }
+        self
     }
 
-    /// Writes it to the standard error output, in colour on a terminal.
-    pub fn report(&self) {
-        let error = anstyle::AnsiColor::Red.on_default().bold();
-        let help = anstyle::AnsiColor::Cyan.on_default().bold();
-        anstream::eprintln!("{error}error{error:#}: {}", self.what);
-        if let Some(place) = &self.place {
-            anstream::eprintln!("  in {place}");
+    /// Writes it to the standard error output: drawn, in colour on a terminal; or as JSON.
+    pub fn report(&self, json: bool) {
+        if json {
+            let diagnostics = self.diagnostics.iter().map(Into::into).collect();
+            match serde_json::to_string_pretty(&Record { diagnostics }) {
+                Ok(text) => return anstream::eprintln!("{text}"),
+                Err(error) => anstream::eprintln!("{error}"),
+            }
         }
-        if let Some(text) = &self.help {
-            anstream::eprintln!("{help}help{help:#}: {text}");
-        }
+        let drawn: Vec<String> = self.diagnostics.iter().map(diagnostic::draw).collect();
+        anstream::eprintln!("{}", drawn.join("\n\n"));
     }
 }
 
@@ -76,19 +95,6 @@ impl From<crate::output::OutputError> for Failure {
     fn from(error: crate::output::OutputError) -> Self {
         Self::bad(&error)
             .help("name a file in an existing folder that you may write to (-o FILE, --out DIR)")
-    }
-}
-
-impl From<crate::drive::scenario::ScenarioError> for Failure {
-    fn from(error: crate::drive::scenario::ScenarioError) -> Self {
-        use crate::drive::scenario::ScenarioError;
-        let help = match &error {
-            ScenarioError::Read { .. } => {
-                "check the path; without --scenario the paper's is driven"
-            }
-            _ => "`steerguard simulate --print-scenario` shows every key with its default",
-        };
-        Self::bad(&error).help(help)
     }
 }
 

@@ -2,20 +2,49 @@
 
 use std::path::Path;
 
+use steerguard_designer::document::{Mistakes, Source};
 use steerguard_designer::{Design, DesignError, DesignFileError, Spec};
 use steerguard_verify::Refusal;
 
 use crate::cli::arguments::Allowance;
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
+use crate::drive::scenario::Scenario;
 
 /// Text of the file at `path`.
 pub(super) fn text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| {
+    let bytes = std::fs::read(path).map_err(|error| {
         Failure::bad(format!("cannot read `{}`: {error}", path.display())).help(
-            "check the path; specifications are TOML, designs are made by `steerguard design`",
+            "check the path; specifications and scenarios are TOML, designs are made by `steerguard \
+             design`",
         )
+    })?;
+    decoded(bytes).map_err(|failure| failure.at(path.display()))
+}
+
+/// UTF-8 as text.
+fn decoded(bytes: Vec<u8>) -> Result<String, Failure> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(Failure::bad("the file is UTF-16").help("save it as UTF-8"));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
+        let byte = error.as_bytes()[valid.len()];
+        Failure::bad(format!("the file is not UTF-8: byte 0x{byte:02x} in line {line}"))
+            .help("save it as UTF-8")
     })
+}
+
+/// Refuses to write over what is read.
+pub(super) fn apart(input: &Path, output: &Path) -> Result<(), Failure> {
+    match (input.canonicalize(), output.canonicalize()) {
+        (Ok(read), Ok(written)) if read == written => {
+            Err(Failure::bad(format!("`{}` would be written over itself", input.display()))
+                .help("name another file (-o FILE)"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn is_design(path: &Path) -> bool {
@@ -27,10 +56,26 @@ pub(super) fn spec(path: &Path) -> Result<Spec, Failure> {
     if is_design(path) {
         return Design::spec_from_json(&text(path)?).map_err(|error| unreadable(error, path));
     }
-    Spec::from_toml(&text(path)?).map_err(|error| {
-        Failure::bad(error)
-            .at(path.display())
-            .help("examples/paper.toml explains every key; a key left out has its default")
+    let help = "examples/paper.toml explains every key and states its default";
+    document(path, help, Spec::from_toml)
+}
+
+/// The scenario in the file at `path`.
+pub(super) fn scenario(path: &Path) -> Result<Scenario, Failure> {
+    let help = "`steerguard simulate --print-scenario` shows every key with its default";
+    document(path, help, Scenario::parse)
+}
+
+/// What `read` makes of the file at `path`.
+fn document<T>(
+    path: &Path,
+    help: &str,
+    read: impl FnOnce(&str) -> Result<T, Mistakes>,
+) -> Result<T, Failure> {
+    let text = text(path)?;
+    read(&text).map_err(|mistakes| {
+        let source = Source { name: path.display().to_string(), text: text.into() };
+        Failure::mistakes(&mistakes, &source).help(help)
     })
 }
 

@@ -6,7 +6,8 @@ use serde::Serialize;
 use steerguard_designer::Spec;
 
 use super::package::Packaged;
-use super::{design, input, package, print, simulate, verify};
+use super::print::print;
+use super::{design, input, package, simulate, verify};
 use steerguard_model_description::names;
 
 use crate::cli::detection_table::detection_table;

@@ -5,15 +5,15 @@ mod campaign;
 mod check;
 mod design;
 mod detection_table;
+mod diagnostic;
 pub mod failure;
 mod input;
 mod main_job;
 mod package;
+mod print;
 pub mod progress;
 mod simulate;
 mod verify;
-
-use serde::Serialize;
 
 use crate::cli::arguments::{Cli, Command};
 use crate::cli::failure::{Exit, Failure};
@@ -31,23 +31,5 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Some(Command::Check(arguments)) => check::run(arguments, cli.json),
         Some(Command::Simulate(arguments)) => simulate::run(arguments, cli.json),
         Some(Command::Campaign(arguments)) => campaign::run(arguments, cli.json),
-    }
-}
-
-/// Prints a result: the text for people, or the value as JSON.
-fn print(json: bool, value: &impl Serialize, text: &str) -> Result<(), Failure> {
-    use std::io::Write as _;
-    let text = if json {
-        serde_json::to_string_pretty(value).map_err(Failure::bad)? + "\n"
-    } else {
-        text.to_owned()
-    };
-    let written = std::io::stdout().lock().write_all(text.as_bytes());
-    match written {
-        // Whoever closed the pipe has read enough.
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::bad(format!("cannot write the result: {error}")))
-        }
-        _ => Ok(()),
     }
 }

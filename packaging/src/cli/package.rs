@@ -6,7 +6,8 @@ use serde::Serialize;
 use steerguard_designer::{Design, DesignStatus};
 use steerguard_fmu::BakedDesign;
 
-use super::{input, print};
+use super::input;
+use super::print::print;
 use crate::cli::arguments::PackageArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
@@ -32,6 +33,9 @@ struct Outcome {
 }
 
 pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Failure> {
+    for output in [Some(&arguments.output), arguments.plant.as_ref(), arguments.system.as_ref()] {
+        output.map_or(Ok(()), |output| input::apart(&arguments.design, output))?;
+    }
     let mut runtimes = Runtimes::detector();
     for (platform, file) in &arguments.runtime {
         runtimes.add(*platform, file).map_err(|error| {

@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 use steerguard_designer::Spec;
 
-use super::{input, package, print};
+use super::print::print;
+use super::{input, package};
 use steerguard_model_description::names;
 
 use crate::cli::arguments::SimulateArguments;
@@ -33,9 +34,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
     }
     let scenario = match &arguments.scenario {
         None => Scenario::default(),
-        Some(path) => {
-            Scenario::read(path).map_err(|error| Failure::from(error).at(path.display()))?
-        }
+        Some(path) => input::scenario(path)?,
     };
     let progress = Progress::new();
     let folder = tempfile::tempdir()

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use steerguard_verify::{Figures, Refusal, Verdict};
 
-use super::{input, print};
+use super::input;
+use super::print::print;
 use crate::cli::arguments::VerifyArguments;
 use crate::cli::failure::{Exit, Failure};
 

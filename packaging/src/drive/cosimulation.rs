@@ -10,7 +10,9 @@
 use serde::{Serialize, Serializer};
 use steerguard_detector::Actuator;
 
-use crate::drive::scenario::{Scenario, ScenarioError, SensorNoise};
+use steerguard_designer::document::Mistakes;
+
+use crate::drive::scenario::{Scenario, SensorNoise};
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
 
 /// Why a co-simulation ended early.
@@ -24,7 +26,7 @@ pub enum CosimulationError {
     Call(#[from] CallError),
     /// The scenario does not fit the communication step.
     #[error(transparent)]
-    Scenario(#[from] ScenarioError),
+    Scenario(#[from] Mistakes),
     /// Neither scenario nor detector says how long a communication step is.
     #[error("the detector proposes no communication step and the scenario gives none")]
     NoStep,

@@ -42,10 +42,9 @@
 //! - The unit of a signal is in the name of its table.
 
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use steerguard_designer::document::Mistakes;
+use steerguard_designer::document::{self, Allowed, Mistake, Mistakes};
 use steerguard_designer::spec::ActuatorTable;
 
 /// More communication points than this are taken for a mistake.
@@ -53,35 +52,6 @@ const MAX_STEPS: f64 = 1e7;
 
 /// Start times are met to this fraction of a second.
 const START_TOLERANCE_S: f64 = 1e-9;
-
-/// A scenario that cannot be driven.
-#[derive(Debug, thiserror::Error)]
-pub enum ScenarioError {
-    /// The file cannot be read.
-    #[error("cannot read scenario `{}`: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The file is not TOML, or a key is unknown or of the wrong type.
-    #[error("{0}")]
-    Syntax(#[from] toml::de::Error),
-    /// The actuator is not possible.
-    #[error(transparent)]
-    Actuator(#[from] Mistakes),
-    /// A value is out of its range.
-    #[error("`{key}` is {value}, must be {allowed}")]
-    Value {
-        /// Path of the key.
-        key: &'static str,
-        /// The offending value.
-        value: String,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-}
 
 /// `offset + amplitude sin(angular_frequency t)` from a start time on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -118,13 +88,20 @@ impl Signal {
         self.offset == 0.0 && (self.amplitude == 0.0 || self.angular_frequency_rad_per_s == 0.0)
     }
 
-    fn is_finite(&self) -> bool {
-        let Self { offset, amplitude, angular_frequency_rad_per_s, start_s, .. } = *self;
-        let reference = self.reference_speed_m_per_s.unwrap_or(1.0);
-        [offset, amplitude, angular_frequency_rad_per_s, start_s, reference]
-            .iter()
-            .all(|x| x.is_finite())
-            && reference > 0.0
+    /// Finds what is not possible of the signal called `name`.
+    fn check(&self, name: &str, mistakes: &mut Mistakes) {
+        for (key, value) in [
+            ("offset", self.offset),
+            ("amplitude", self.amplitude),
+            ("angular_frequency_rad_per_s", self.angular_frequency_rad_per_s),
+            ("start_s", self.start_s),
+        ] {
+            mistakes.number(&format!("{name}.{key}"), value, Allowed::FINITE);
+        }
+        if let Some(speed) = self.reference_speed_m_per_s {
+            let key = format!("{name}.reference_speed_m_per_s");
+            mistakes.number(&key, speed, Allowed::POSITIVE);
+        }
     }
 }
 
@@ -210,41 +187,26 @@ impl Default for Scenario {
 }
 
 impl Scenario {
-    /// Reads and checks a scenario file.
+    /// Reads and checks the text of a scenario file.
     ///
     /// # Errors
-    /// [`ScenarioError`] with the offending key.
-    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
-        Self::parse(&text)
-    }
-
-    /// Parses and checks the text of a scenario file.
-    ///
-    /// # Errors
-    /// [`ScenarioError`] with the offending key.
-    pub fn parse(text: &str) -> Result<Self, ScenarioError> {
-        let scenario: Self = toml::from_str(text)?;
-        scenario.check()?;
-        Ok(scenario)
+    /// [`Mistakes`], each of which names the key, its value and what is allowed.
+    pub fn parse(text: &str) -> Result<Self, Mistakes> {
+        document::read(text, Self::find_mistakes)
     }
 
     /// Number of communication steps of `step_s` seconds in a run.
     ///
     /// # Errors
-    /// [`ScenarioError::Value`] if there would be none or unreasonably many.
-    pub fn steps(&self, step_s: f64) -> Result<u32, ScenarioError> {
+    /// [`Mistakes`] if there would be none or unreasonably many.
+    pub fn steps(&self, step_s: f64) -> Result<u32, Mistakes> {
         let steps = (self.duration_s / step_s).round();
         if (1.0..=MAX_STEPS).contains(&steps) {
-            Ok(steps as u32)
-        } else {
-            Err(ScenarioError::Value {
-                key: "duration_s",
-                value: format!("{} or {steps} steps of {step_s} s", self.duration_s),
-                allowed: "1 to 10 000 000 communication steps",
-            })
+            return Ok(steps as u32);
         }
+        let value = format_args!("{} with steps of {step_s} s", self.duration_s);
+        let allowed = format!("from 1 to {MAX_STEPS} steps");
+        Err(Mistake::value("duration_s", value, allowed).into())
     }
 
     /// Steering fault in rad at time `t` in s of the run with the given initial speed in m/s.
@@ -252,56 +214,43 @@ impl Scenario {
         self.steering_fault_deg.at(t, initial_speed_m_per_s) * (PI / 180.0)
     }
 
-    fn check(&self) -> Result<(), ScenarioError> {
-        let error = |key, value: &dyn std::fmt::Debug, allowed| {
-            Err(ScenarioError::Value { key, value: format!("{value:?}"), allowed })
-        };
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        for (key, value) in [
-            ("duration_s", self.duration_s),
-            ("communication_step_s", self.communication_step_s.unwrap_or(1.0)),
-        ] {
-            if !positive(value) {
-                return error(key, &value, "positive");
-            }
+    fn find_mistakes(&self, mistakes: &mut Mistakes) {
+        mistakes.number("duration_s", self.duration_s, Allowed::POSITIVE);
+        if let Some(step_s) = self.communication_step_s {
+            mistakes.number("communication_step_s", step_s, Allowed::POSITIVE);
         }
         let speeds = &self.initial_speeds_m_per_s;
-        if speeds.is_empty() || !speeds.iter().all(|&v| positive(v)) {
-            return error("initial_speeds_m_per_s", speeds, "one or more positive speeds");
+        mistakes.unless(!speeds.is_empty(), || {
+            Mistake::value("initial_speeds_m_per_s", speeds, "one speed or more")
+        });
+        for (index, &speed) in speeds.iter().enumerate() {
+            let key = format!("initial_speeds_m_per_s[{index}]");
+            mistakes.number(&key, speed, Allowed::POSITIVE);
         }
         for (key, value) in [
             ("initial_lateral_speed_m_per_s", self.initial_lateral_speed_m_per_s),
             ("initial_yaw_rate_rad_per_s", self.initial_yaw_rate_rad_per_s),
             ("side_wind_lever_arm_m", self.side_wind_lever_arm_m),
         ] {
-            if !value.is_finite() {
-                return error(key, &value, "finite");
-            }
+            mistakes.number(key, value, Allowed::FINITE);
         }
         for (key, std) in [
             ("sensor_noise.v_x_std_m_per_s", self.sensor_noise.v_x_std_m_per_s),
             ("sensor_noise.r_std_rad_per_s", self.sensor_noise.r_std_rad_per_s),
         ] {
-            if !(std >= 0.0 && std.is_finite()) {
-                return error(key, &std, "finite and not negative");
-            }
+            mistakes.number(key, std, Allowed::NOT_NEGATIVE);
         }
-        for (key, signal) in [
+        for (name, signal) in [
             ("drive_torque_n_m", &self.drive_torque_n_m),
             ("steering_angle_rad", &self.steering_angle_rad),
             ("side_wind_m_per_s2", &self.side_wind_m_per_s2),
             ("steering_fault_deg", &self.steering_fault_deg),
         ] {
-            if !signal.is_finite() {
-                return error(key, signal, "finite, with a positive reference speed");
-            }
+            signal.check(name, mistakes);
         }
         if let Some(actuator) = &self.actuator {
-            let mut mistakes = Mistakes::default();
-            actuator.check(ActuatorTable::LARGEST_DELAY_S, &mut mistakes);
-            mistakes.into_result()?;
+            actuator.check(ActuatorTable::LARGEST_DELAY_S, mistakes);
         }
-        Ok(())
     }
 }
 
@@ -355,7 +304,11 @@ mod tests {
             ("[steering_fault_deg]\nsize = 1", "size"),
             ("[actuator]\nlag = 0.1", "lag_s"),
             ("[actuator]\ndelay_s = 0.6", "actuator.delay_s"),
-            ("[steering_angle_rad]\nreference_speed_m_per_s = 0", "steering_angle_rad"),
+            (
+                "[steering_angle_rad]\nreference_speed_m_per_s = 0",
+                "steering_angle_rad.reference_speed",
+            ),
+            ("[steering_angle_rad]\noffset = nan", "steering_angle_rad.offset"),
         ] {
             let message = Scenario::parse(text).unwrap_err().to_string();
             assert!(message.contains(key), "{text}: {message}");

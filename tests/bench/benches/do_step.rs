@@ -1,14 +1,16 @@
 //! doStep of the packaged library through the C interface, against the same mathematics in plain C.
 //!
-//! Criterion reports both; the ratio is that of medians over batches measured in turn, so that
-//! whatever else the machine does meets both alike.
+//! For the paper's design and the default one. Criterion reports both; the ratio is that of medians over
+//! batches measured in turn, so that whatever else the machine does meets both alike. Last, the cost of a
+//! sample against the length of the window.
 #![allow(missing_docs, reason = "made by criterion's macro")]
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use steerguard_bench::{Detector, Error, inputs, paper};
+use steerguard_bench::{Detector, Error, designs, fmu, inputs};
+use steerguard_fmu::BakedDesign;
 
 const BATCHES: usize = 401;
 const STEPS: u64 = 5000;
@@ -34,12 +36,15 @@ fn inputs_of(k: u64) -> [f64; 4] {
     [15.0 + weave, weave, 78.75, weave]
 }
 
-fn pair() -> Result<[(&'static str, Detector); 2], Error> {
-    let (configuration, fmu) = paper()?;
+/// Lengths of the window that are compared, samples.
+const WINDOWS: [usize; 6] = [10, 20, 40, 80, 160, 256];
+
+fn pair(design: &BakedDesign) -> Result<[(&'static str, Detector); 2], Error> {
+    let configuration = &design.configuration;
     let step_s = configuration.model.sampling_period_s;
     let mut pair = [
-        ("packaged FMU", Detector::packaged(&fmu, step_s)?),
-        ("plain C", Detector::plain_c(&configuration, step_s)?),
+        ("packaged FMU", Detector::packaged(&fmu(design)?, step_s)?),
+        ("plain C", Detector::plain_c(configuration, step_s)?),
     ];
     // Both are in their steady state, with the same outputs.
     for k in 0..1000 {
@@ -67,13 +72,33 @@ fn median(mut times: Vec<Duration>) -> f64 {
     times.get(times.len() / 2).map_or(f64::NAN, Duration::as_secs_f64)
 }
 
+/// Medians in ns of a step of both, measured in turn.
+fn in_turn(pair: &mut [(&str, Detector); 2], work: Work) -> [f64; 2] {
+    let [(_, packaged), (_, plain)] = pair;
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..BATCHES {
+        ours.push(batch(packaged, work));
+        theirs.push(batch(plain, work));
+    }
+    [ours, theirs].map(|times| median(times) / STEPS as f64 * 1e9)
+}
+
 fn compare(criterion: &mut Criterion) {
-    let mut pair = match pair() {
-        Ok(pair) => pair,
-        Err(error) => return eprintln!("error: {error}"),
-    };
-    for (name, work) in WORKS {
-        let mut group = criterion.benchmark_group(name);
+    if let Err(error) = designs().and_then(|designs| {
+        for (name, design) in &designs {
+            of_design(criterion, name, design)?;
+        }
+        let [_, (_, default)] = &designs;
+        of_windows(default)
+    }) {
+        eprintln!("error: {error}");
+    }
+}
+
+fn of_design(criterion: &mut Criterion, name: &str, design: &BakedDesign) -> Result<(), Error> {
+    let mut pair = pair(design)?;
+    for (work_name, work) in WORKS {
+        let mut group = criterion.benchmark_group(format!("{name} design: {work_name}"));
         for (who, detector) in &mut pair {
             let mut k = 0;
             group.bench_function(*who, |bencher| {
@@ -84,21 +109,25 @@ fn compare(criterion: &mut Criterion) {
             });
         }
         group.finish();
-
-        let [(_, packaged), (_, plain)] = &mut pair;
-        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-        for _ in 0..BATCHES {
-            ours.push(batch(packaged, work));
-            theirs.push(batch(plain, work));
-        }
-        let (ours, theirs) = (median(ours), median(theirs));
+        let [ours, theirs] = in_turn(&mut pair, work);
         println!(
-            "{name}: packaged FMU {:.1} ns, plain C {:.1} ns, ratio {:.2}\n",
-            ours / STEPS as f64 * 1e9,
-            theirs / STEPS as f64 * 1e9,
+            "{name} design: {work_name}: packaged FMU {ours:.1} ns, plain C {theirs:.1} ns, ratio {:.2}\n",
             ours / theirs
         );
     }
+    Ok(())
+}
+
+/// Draws the cost of a sample of `design` against the length of the window.
+fn of_windows(design: &BakedDesign) -> Result<(), Error> {
+    println!("default design: doStep against the window's length");
+    for window in WINDOWS {
+        let mut design = *design;
+        design.configuration.evaluation.window = window;
+        let [ours, _] = in_turn(&mut pair(&design)?, step);
+        println!("{window:>5} samples {ours:>7.1} ns  {}", "#".repeat((ours / 5.0) as usize));
+    }
+    Ok(())
 }
 
 criterion_group!(benches, compare);

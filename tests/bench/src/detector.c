@@ -3,8 +3,9 @@
  * operations on the data are in the same order as in the packaged library, so that the outputs are
  * equal bit for bit.
  *
- * Value references are those of SteeringFaultDetector.fmu. Range monitoring, state handling and the
- * other FMI functions are left out: they would only cost time here. */
+ * Value references are those of SteeringFaultDetector.fmu. Range monitoring, state handling, a modelled
+ * or uncertain actuator, which the designs compared do not have, and the other FMI functions are left
+ * out: they would only cost time here. */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -12,27 +13,38 @@
 #define MAX_WINDOW 256
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
-typedef enum { V_X, R, T_ENG, DELTA, RESIDUAL_V_X, RESIDUAL_R, J_RMS, J_TH } ValueReference;
+typedef enum { V_X, R, T_ENG, DELTA, RESIDUAL_V_X, RESIDUAL_R, J_RMS, J_TH, DETECTABILITY = 12 } ValueReference;
+/* Uncertainties, in the order of the detector's. */
+enum { MASS, YAW_INERTIA, FRONT_STIFFNESS, REAR_STIFFNESS, BANK, GUST, UNCERTAINTIES };
 
-/* Mirrored in benches/do_step.rs. */
+/* Mirrored in lib.rs. */
 typedef struct {
     double mass, yaw_inertia, longitudinal_inertia, l_f, l_r, c_f, c_r, c_x, c_y;
     double period;
     double v_x_min, v_x_max, r_min, r_max;
     double n[4][3][3], l[4][3][2], m[3][3], e[3][2];
     double weights[2], threshold, start_up_amplitude, start_up_decay;
-    size_t window;
+    double share, uncertainty[5], gust_speed, gust_coefficient, gust_ahead, smallest_fault[3];
+    size_t euler_correction, window;
 } Configuration;
+
+/* Window of squares, as in the detector: the sum of this round through the ring and that of what is left
+ * of the round before. */
+typedef struct {
+    double ring[MAX_WINDOW], newer;
+    size_t next;
+} Window;
 
 typedef struct {
     Configuration c;
     /* Constants of the sample path. */
-    double b[3][2], g_phi, drag, cross, damping, slow, fast;
+    double b[3][2], g_phi, drag, cross, damping, slow, fast, m_fault[3], half_square;
+    int acts[UNCERTAINTIES], any;
     /* Inputs, states, outputs. */
     double y[2], u[2], z[3];
-    double residual[2], j_rms, j_th;
-    double squares[MAX_WINDOW];
-    size_t oldest;
+    double residual[2], j_rms, j_th, detectability;
+    double remainder[3], responses[UNCERTAINTIES][3], fault[3];
+    Window j, uncertain, seen;
     double power, sum;
     size_t started;
     unsigned long long sample;
@@ -53,10 +65,110 @@ Instance *detector_new(const Configuration *c) {
     s->slow = 1.0 / c->v_x_min;
     s->fast = 1.0 / c->v_x_max;
     s->power = 1.0;
+    s->half_square = 0.5 * t * t;
+    for (int i = 0; i < 3; i++)
+        s->m_fault[i] = 0.0 + c->m[i][0] * c->smallest_fault[0] + c->m[i][1] * c->smallest_fault[1] + c->m[i][2] * c->smallest_fault[2];
+    for (int k = 0; k < UNCERTAINTIES; k++) {
+        const int is = k == GUST ? c->gust_speed > 0.0 && c->gust_coefficient > 0.0 : c->uncertainty[k] > 0.0;
+        s->acts[k] = c->share > 0.0 && is;
+        s->any |= s->acts[k];
+    }
     return s;
 }
 
 void detector_free(Instance *s) { free(s); }
+
+static double push(Window *w, double square, size_t window) {
+    double sum;
+    w->ring[w->next] = square;
+    w->next++;
+    w->newer += square;
+    if (w->next < window) {
+        sum = w->newer + w->ring[w->next];
+    } else {
+        double older = 0.0;
+        for (size_t i = window; i-- > 0;) {
+            older += w->ring[i];
+            w->ring[i] = older;
+        }
+        w->next = 0;
+        sum = w->newer;
+        w->newer = 0.0;
+    }
+    return sqrt(sum / (double)window);
+}
+
+/* ||W_r C e||^2 of a residual. */
+static double square(const Configuration *c, double v_x, double r) {
+    const double a = c->weights[0] * v_x, b = c->weights[1] * r;
+    return a * a + b * b;
+}
+
+/* e+ = N e + M w. */
+static void respond(double n[3][3], const Configuration *c, double e[3], const double w[3]) {
+    double next[3];
+    for (int i = 0; i < 3; i++)
+        next[i] = (0.0 + n[i][0] * e[0] + n[i][1] * e[1] + n[i][2] * e[2])
+            + (0.0 + c->m[i][0] * w[0] + c->m[i][1] * w[1] + c->m[i][2] * w[2]);
+    for (int i = 0; i < 3; i++) e[i] = next[i];
+}
+
+/* Responses to Euler's remainder, to what is uncertain and to the smallest fault: method 6. */
+static void advance_responses(Instance *s, double n[3][3], double v_x, double v_y, double r) {
+    const Configuration *c = &s->c;
+    double fault[3];
+    for (int i = 0; i < 3; i++)
+        fault[i] = (0.0 + n[i][0] * s->fault[0] + n[i][1] * s->fault[1] + n[i][2] * s->fault[2]) + s->m_fault[i];
+    for (int i = 0; i < 3; i++) s->fault[i] = fault[i];
+    if (!c->euler_correction && !s->any) return;
+
+    const double t_eng = s->u[0], delta = s->u[1];
+    const double front = 2.0 * c->c_f * (delta - (v_y + c->l_f * r) / v_x);
+    const double rear = 2.0 * c->c_r * ((c->l_r * r - v_y) / v_x);
+    if (c->euler_correction) {
+        const double v_x_dot = (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia + v_y * r;
+        const double v_y_dot = (front + rear - c->c_y * v_y * v_y) / c->mass - v_x * r;
+        const double r_dot = (c->l_f * front - c->l_r * rear) / c->yaw_inertia;
+        const double lateral_f = v_y + c->l_f * r, lateral_r = v_y - c->l_r * r;
+        const double front_dot = -2.0 * c->c_f * (((v_y_dot + c->l_f * r_dot) - lateral_f / v_x * v_x_dot) / v_x);
+        const double rear_dot = -2.0 * c->c_r * (((v_y_dot - c->l_r * r_dot) - lateral_r / v_x * v_x_dot) / v_x);
+        const double w[3] = {
+            s->half_square * (-2.0 * c->c_x * v_x * v_x_dot / c->longitudinal_inertia + v_y_dot * r + v_y * r_dot),
+            s->half_square * ((front_dot + rear_dot - 2.0 * c->c_y * v_y * v_y_dot) / c->mass - v_x_dot * r - v_x * r_dot),
+            s->half_square * ((c->l_f * front_dot - c->l_r * rear_dot) / c->yaw_inertia),
+        };
+        respond(n, c, s->remainder, w);
+    }
+    for (int k = 0; k < UNCERTAINTIES; k++) {
+        if (!s->acts[k]) continue;
+        double x = 0.0, y = 0.0, z = 0.0;
+        const double by = k == GUST ? 0.0 : c->uncertainty[k];
+        switch (k) {
+        case MASS:
+            x = by * ((t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia);
+            y = by * (front + rear - c->c_y * v_y * v_y) / c->mass;
+            break;
+        case YAW_INERTIA: z = by * (c->l_f * front - c->l_r * rear) / c->yaw_inertia; break;
+        case FRONT_STIFFNESS:
+            y = by * front / c->mass;
+            z = by * c->l_f * front / c->yaw_inertia;
+            break;
+        case REAR_STIFFNESS:
+            y = by * rear / c->mass;
+            z = -by * c->l_r * rear / c->yaw_inertia;
+            break;
+        case BANK: y = by; break;
+        case GUST: {
+            const double speed = c->gust_speed;
+            const double force = c->gust_coefficient * speed * sqrt(v_x * v_x + speed * speed);
+            y = force / c->mass;
+            z = c->gust_ahead * force / c->yaw_inertia;
+        }
+        }
+        const double w[3] = {c->period * x, c->period * y, c->period * z};
+        respond(n, c, s->responses[k], w);
+    }
+}
 
 static void run_sample(Instance *s) {
     const Configuration *c = &s->c;
@@ -98,16 +210,19 @@ static void run_sample(Instance *s) {
     }
     for (int i = 0; i < 3; i++) s->z[i] = z[i];
 
-    /* Residual and its windowed RMS. */
-    s->residual[0] = v_x - x_hat[0];
-    s->residual[1] = r - x_hat[2];
-    const double a = c->weights[0] * s->residual[0], b = c->weights[1] * s->residual[1];
-    s->squares[s->oldest] = a * a + b * b;
-    s->oldest = s->oldest + 1 < c->window ? s->oldest + 1 : 0;
-    double sum = 0.0;
-    for (size_t i = s->oldest; i < c->window; i++) sum += s->squares[i];
-    for (size_t i = 0; i < s->oldest; i++) sum += s->squares[i];
-    s->j_rms = sqrt(sum / (double)c->window);
+    /* Residual, less the response to Euler's remainder; levels of what is uncertain and of the fault. */
+    s->residual[0] = v_x - x_hat[0] - s->remainder[0];
+    s->residual[1] = r - x_hat[2] - s->remainder[2];
+    const double seen = push(&s->seen, square(c, s->fault[0], s->fault[2]), c->window);
+    double uncertain = 0.0;
+    if (s->any) {
+        double bound = 0.0;
+        for (int k = 0; k < UNCERTAINTIES; k++)
+            if (s->acts[k]) bound += sqrt(square(c, s->responses[k][0], s->responses[k][2]));
+        uncertain = push(&s->uncertain, bound * bound, c->window);
+    }
+    advance_responses(s, n, v_x, v_y, r);
+    s->j_rms = push(&s->j, square(c, s->residual[0], s->residual[1]), c->window);
 
     /* Threshold with its start-up term. */
     const double decay_squared = c->start_up_decay * c->start_up_decay;
@@ -118,7 +233,8 @@ static void run_sample(Instance *s) {
     } else {
         s->sum *= decay_squared;
     }
-    s->j_th = c->threshold + c->start_up_amplitude * sqrt(s->sum / (double)c->window);
+    s->j_th = c->threshold + c->start_up_amplitude * sqrt(s->sum / (double)c->window) + c->share * uncertain;
+    s->detectability = seen / s->j_th;
     s->sample++;
 }
 
@@ -148,6 +264,7 @@ Status fmi2GetReal(void *instance, const unsigned vr[], size_t nvr, double value
         case RESIDUAL_R: value[i] = s->residual[1]; break;
         case J_RMS: value[i] = s->j_rms; break;
         case J_TH: value[i] = s->j_th; break;
+        case DETECTABILITY: value[i] = s->detectability; break;
         default: return ERROR;
         }
     }

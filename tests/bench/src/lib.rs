@@ -6,7 +6,7 @@ use std::path::Path;
 use std::ptr;
 
 use libloading::Library;
-use steerguard::fmu::design_summary::{baked, causes};
+use steerguard::fmu::design_summary::baked;
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
@@ -16,20 +16,28 @@ use steerguard_fmi2::pointers;
 use steerguard_fmi2::types::{
     fmi2CallbackFunctions, fmi2CoSimulation, fmi2False, fmi2Status, fmi2True,
 };
+use steerguard_fmu::BakedDesign;
 use steerguard_model_description::detector::DetectorVariable as V;
 use steerguard_model_description::{VariableSet, names};
 
 /// Why there is nothing to measure.
 pub type Error = Box<dyn std::error::Error>;
 
-/// The design of the paper's vehicle, and its FMU.
+/// The designs that are compared, by name: the paper's, which states no uncertainty, and the default.
 ///
 /// # Errors
-/// What designing and packaging say.
-pub fn paper() -> Result<(Configuration, Vec<u8>), Error> {
-    let design = design(&Spec::paper(), &mut |_| {})?;
-    let fmu = detector_fmu(&baked(&design)?, &causes(&design.threshold), &Runtimes::detector())?;
-    Ok((design.configuration(), fmu))
+/// What designing says.
+pub fn designs() -> Result<[(&'static str, BakedDesign); 2], Error> {
+    let designed = |spec: &Spec| -> Result<_, Error> { Ok(baked(&design(spec, &mut |_| {})?)?) };
+    Ok([("paper", designed(&Spec::paper())?), ("default", designed(&Spec::default())?)])
+}
+
+/// The FMU of `design`.
+///
+/// # Errors
+/// What packaging says.
+pub fn fmu(design: &BakedDesign) -> Result<Vec<u8>, Error> {
+    Ok(detector_fmu(design, &[], &Runtimes::detector())?)
 }
 
 /// One detector behind the C interface.
@@ -155,12 +163,21 @@ impl Detector {
 
     /// Gets residual.v_x, residual.r, J_rms, J_th.
     pub fn get(&self) -> [f64; 4] {
-        let references =
-            [V::ResidualSpeedX, V::ResidualYawRate, V::Rms, V::Threshold].map(V::value_reference);
-        let mut values = [f64::NAN; 4];
-        // SAFETY: a live instance and four elements each.
+        self.values([V::ResidualSpeedX, V::ResidualYawRate, V::Rms, V::Threshold])
+    }
+
+    /// Gets detectability.
+    pub fn detectability(&self) -> f64 {
+        let [detectability] = self.values([V::Detectability]);
+        detectability
+    }
+
+    fn values<const N: usize>(&self, variables: [V; N]) -> [f64; N] {
+        let references = variables.map(V::value_reference);
+        let mut values = [f64::NAN; N];
+        // SAFETY: a live instance and N elements each.
         unsafe {
-            (self.get_real)(self.component, references.as_ptr(), 4, values.as_mut_ptr());
+            (self.get_real)(self.component, references.as_ptr(), N, values.as_mut_ptr());
         }
         values
     }
@@ -192,12 +209,19 @@ struct CConfiguration {
     weights: [f64; 2],
     threshold: f64,
     start_up: [f64; 2],
+    share: f64,
+    uncertainty: [f64; 5],
+    gust: [f64; 3],
+    smallest_fault: [f64; 3],
+    euler_correction: usize,
     window: usize,
 }
 
 impl CConfiguration {
     fn of(configuration: &Configuration) -> Self {
-        let Configuration { model, gains, evaluation, .. } = configuration;
+        let Configuration { model, gains, evaluation, deviations, .. } = configuration;
+        let uncertainty = &deviations.uncertainty;
+        let gust = &uncertainty.gust;
         let v = &model.vehicle;
         Self {
             vehicle: [
@@ -220,6 +244,17 @@ impl CConfiguration {
             weights: evaluation.weights,
             threshold: evaluation.threshold,
             start_up: [evaluation.start_up_amplitude, evaluation.start_up_decay],
+            share: evaluation.uncertainty_share,
+            uncertainty: [
+                uncertainty.mass,
+                uncertainty.yaw_inertia,
+                uncertainty.front_cornering_stiffness,
+                uncertainty.rear_cornering_stiffness,
+                uncertainty.bank_m_per_s2,
+            ],
+            gust: [gust.speed_m_per_s, gust.coefficient_n_s2_per_m2, gust.acting_ahead_m],
+            smallest_fault: deviations.smallest_fault,
+            euler_correction: usize::from(deviations.euler_correction),
             window: evaluation.window,
         }
     }
@@ -231,24 +266,36 @@ mod tests {
 
     #[test]
     fn both_give_the_same_outputs_bit_for_bit() {
-        let (configuration, fmu) = paper().unwrap();
-        let step_s = configuration.model.sampling_period_s;
-        let mut packaged = Detector::packaged(&fmu, step_s).unwrap();
-        let mut plain = Detector::plain_c(&configuration, step_s).unwrap();
-        let mut largest: f64 = 0.0;
-        for k in 0..10_000 {
-            for detector in [&mut packaged, &mut plain] {
-                assert_eq!(detector.set(&inputs(k)), fmi2Status::fmi2OK);
-                assert_eq!(detector.step(), fmi2Status::fmi2OK);
+        for (name, design) in designs().unwrap() {
+            let configuration = &design.configuration;
+            let step_s = configuration.model.sampling_period_s;
+            let mut packaged = Detector::packaged(&fmu(&design).unwrap(), step_s).unwrap();
+            let mut plain = Detector::plain_c(configuration, step_s).unwrap();
+            let (mut largest, mut thresholds) = (0.0_f64, [f64::INFINITY, 0.0_f64]);
+            for k in 0..10_000 {
+                for detector in [&mut packaged, &mut plain] {
+                    assert_eq!(detector.set(&inputs(k)), fmi2Status::fmi2OK);
+                    assert_eq!(detector.step(), fmi2Status::fmi2OK);
+                }
+                let [ours, theirs] = [&packaged, &plain].map(|detector| {
+                    let [v_x, r, j_rms, j_th] = detector.get();
+                    [v_x, r, j_rms, j_th, detector.detectability()]
+                });
+                assert_eq!(
+                    ours.map(f64::to_bits),
+                    theirs.map(f64::to_bits),
+                    "{name} at {k}: {ours:?} {theirs:?}"
+                );
+                largest = largest.max(ours[2]);
+                if k > 1000 {
+                    let [low, high] = thresholds;
+                    thresholds = [low.min(ours[3]), high.max(ours[3])];
+                }
             }
-            let [ours, theirs] = [packaged.get(), plain.get()];
-            assert_eq!(
-                ours.map(f64::to_bits),
-                theirs.map(f64::to_bits),
-                "{k}: {ours:?} {theirs:?}"
-            );
-            largest = largest.max(ours[2]);
+            assert!(largest > 0.0, "the comparison saw a residual");
+            let [low, high] = thresholds;
+            let adapts = configuration.evaluation.uncertainty_share > 0.0;
+            assert_eq!(high > 1.01 * low, adapts, "{name}: J_th from {low} to {high}");
         }
-        assert!(largest > 0.0, "the comparison saw a residual");
     }
 }
