@@ -1,5 +1,6 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
+use crate::configuration::all_finite;
 use crate::deviation::Standing;
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
@@ -207,8 +208,7 @@ impl Detector {
         &mut self,
         initialisation: Initialisation,
     ) -> Result<(), ConfigurationError> {
-        if matches!(initialisation, Initialisation::Given(z_0) if !z_0.iter().all(|z| z.is_finite()))
-        {
+        if matches!(initialisation, Initialisation::Given(z_0) if !all_finite(&z_0)) {
             return Err(ConfigurationError { field: "z_0" });
         }
         self.initialisation = initialisation;
@@ -233,23 +233,22 @@ impl Detector {
         let windows = [&state.rms, &responses.uncertainty_rms, &responses.fault_rms];
         let output = &state.output;
         let Measurement { v_x_m_per_s, r_rad_per_s } = output.residual;
-        let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
-        let possible = finite(&state.z)
+        let possible = all_finite(&state.z)
             && windows.iter().all(|rms| rms.is_possible(window))
             && state.start_up.samples <= window
-            && finite(&[state.start_up.power, state.start_up.sum])
-            && finite(&responses.remainder)
-            && finite(responses.uncertainties.as_flattened())
-            && finite(&responses.fault)
+            && all_finite(&[state.start_up.power, state.start_up.sum])
+            && all_finite(&responses.remainder)
+            && all_finite(responses.uncertainties.as_flattened())
+            && all_finite(&responses.fault)
             && actuators.iter().all(|(state, of)| state.is_possible(of.delay_samples(period_s)))
-            && finite(&[
+            && all_finite(&[
                 v_x_m_per_s,
                 r_rad_per_s,
                 output.v_y_hat,
                 output.j_rms,
                 output.detectability,
             ])
-            && finite(&[output.j_th])
+            && all_finite(&[output.j_th])
             && output.j_th > 0.0;
         if !possible {
             return Err(StateError);

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Measurement;
+use crate::configuration::all_finite;
 
 /// Longest window, samples.
 pub const MAX_WINDOW: usize = 256;
@@ -16,7 +17,8 @@ pub struct Evaluation {
     pub window: usize,
     /// Diagonal of W_r, for the residuals of v_x (per m/s) and r (per rad/s); not negative.
     pub weights: [f64; 2],
-    /// Threshold on J, in the unit that the weights give it, once the start-up has passed, where nothing is uncertain; positive.
+    /// Threshold on J, in the unit that the weights give it, once the start-up has passed, where nothing
+    /// is uncertain; positive.
     pub threshold: f64,
     /// Share of the uncertainties' bound that is added to the threshold, not negative.
     pub uncertainty_share: f64,
@@ -60,8 +62,8 @@ impl Rms {
 
     /// Whether pushing to a window of `window` samples can have led here.
     pub(crate) fn is_possible(&self, window: usize) -> bool {
-        let sums = self.ring.iter().take(window).chain([&self.newer]);
-        self.next < window && sums.into_iter().all(|x| x.is_finite())
+        let ring = self.ring.get(..window).unwrap_or(&self.ring);
+        self.next < window && all_finite(ring) && self.newer.is_finite()
     }
 
     /// Takes a sample's `square` and returns the RMS over the last `window` samples.

@@ -359,7 +359,7 @@ fn the_command_reports_and_exits() {
     let (code, text, _) = run(&without("model.png"), &["X.fmu"]);
     assert_eq!(code, Some(0));
     assert!(
-        text.starts_with("note[no-icon]: model.png is missing\n  --> X.fmu\n  = help: "),
+        text.starts_with("note[no-icon]: model.png is missing\n--> X.fmu\n = help: "),
         "{text}"
     );
     assert!(text.ends_with("\n\nX.fmu: 1 note\n"), "{text}");

@@ -34,12 +34,14 @@ impl Archive<'_> {
     }
 
     /// A real number that must be finite.
+    #[inline(never)]
     pub fn finite(&mut self, value: &mut f64) {
         self.real(value);
         self.require(value.is_finite());
     }
 
     /// An unsigned integer.
+    #[inline(never)]
     pub fn u64(&mut self, value: &mut u64) {
         let mut bytes = value.to_le_bytes();
         if self.bytes(&mut bytes) {
@@ -48,6 +50,7 @@ impl Archive<'_> {
     }
 
     /// An unsigned integer.
+    #[inline(never)]
     pub fn u32(&mut self, value: &mut u32) {
         let mut bytes = value.to_le_bytes();
         if self.bytes(&mut bytes) {
@@ -56,6 +59,7 @@ impl Archive<'_> {
     }
 
     /// A size or index.
+    #[inline(never)]
     pub fn size(&mut self, value: &mut usize) {
         let mut wide = *value as u64;
         self.u64(&mut wide);
@@ -73,6 +77,7 @@ impl Archive<'_> {
     }
 
     /// A code below `count`.
+    #[inline(never)]
     pub fn code(&mut self, value: &mut u8, count: u8) {
         let mut byte = [*value];
         if self.bytes(&mut byte) {

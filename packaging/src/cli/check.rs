@@ -4,11 +4,13 @@ use std::fs::File;
 use std::path::Path;
 
 use serde::Serialize;
+use steerguard_designer::document::{self, Diagnostic};
 use steerguard_model_description::xml::{Finding, Level};
 
 use super::print::print;
 use crate::check::check;
 use crate::cli::arguments::CheckArguments;
+use crate::cli::diagnostic;
 use crate::cli::failure::{Exit, Failure};
 
 #[derive(Serialize)]
@@ -55,8 +57,24 @@ pub(super) fn run(arguments: &CheckArguments, json: bool) -> Result<Exit, Failur
     Ok(if outcome.errors == 0 { Exit::Done } else { Exit::No })
 }
 
+fn as_diagnostic(finding: &Finding) -> Diagnostic {
+    let Finding { level, code, message, location, help } = finding;
+    let level = match level {
+        Level::Error => document::Level::Error,
+        Level::Warning => document::Level::Warning,
+        Level::Note => document::Level::Note,
+    };
+    Diagnostic {
+        code: Some(code),
+        place: Some(location.clone()),
+        help: vec![help.clone()],
+        ..Diagnostic::new(level, message.clone())
+    }
+}
+
 fn text(outcome: &Outcome<'_>, findings: &[Finding]) -> String {
-    let mut text: String = findings.iter().map(|finding| format!("{finding}\n\n")).collect();
+    let drawn = findings.iter().map(|finding| diagnostic::draw(&as_diagnostic(finding)) + "\n\n");
+    let mut text = anstream::adapter::strip_str(&drawn.collect::<String>()).to_string();
     let counts =
         [(outcome.errors, "error"), (outcome.warnings, "warning"), (outcome.notes, "note")];
     let counts: Vec<String> = counts
