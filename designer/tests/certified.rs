@@ -10,6 +10,7 @@ use serde::Deserialize;
 use steerguard_designer::analysis::certified::{ErrorSystem, Gain, certified, certify};
 use steerguard_designer::analysis::frequency::frozen;
 use steerguard_designer::analysis::operating_point::OperatingPoint;
+use steerguard_designer::analysis::worth::Worth;
 use steerguard_designer::lmi::matrix::{Matrix, matrix};
 use steerguard_designer::problem::band::Band;
 use steerguard_designer::problem::channel::Channel;
@@ -19,7 +20,7 @@ use steerguard_designer::spec::Disturbance;
 use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{Goal, solve};
 use steerguard_designer::synthesis::theorem4::Theorem4;
-use steerguard_designer::{Design, DesignStatus, Spec};
+use steerguard_designer::{Design, DesignStatus, FrozenRecord, Spec};
 use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::{Refusal, verify};
 
@@ -159,7 +160,14 @@ fn full_and_high_bands_of_disturbances_are_proven() {
             bound_m_per_s2: 0.1,
             band_hz,
         }];
-        design.performance.certified = Some(figures);
+        // The other figures of that band, which are recomputed too.
+        let worth = Worth::of(&gains, &theorem, &model(&papers.spec), &inputs);
+        let performance = &mut design.performance;
+        performance.detection_ratio = worth.detection_ratio(&inputs);
+        performance.frozen = FrozenRecord::new(worth.frozen, inputs.smallest_fault, inputs.bound);
+        performance.limit = worth.points.iter().filter_map(|x| x.limit).reduce(f64::min);
+        performance.operating_points = worth.points;
+        performance.certified = Some(figures);
         design.certificate.a_posteriori = Some(certificate);
         let proof = |design: &mut Design| {
             design.hash = design.computed_hash().unwrap();

@@ -3,6 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
+use crate::algebra::all_finite;
 use crate::{
     Actuator, Deviations, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, TsModel,
 };
@@ -126,10 +127,4 @@ fn positive(x: f64) -> bool {
 #[inline(never)]
 fn not_negative(x: f64) -> bool {
     x >= 0.0 && x.is_finite()
-}
-
-/// Whether all `values` are finite.
-#[inline(never)]
-pub(crate) fn all_finite(values: &[f64]) -> bool {
-    values.iter().all(|x| x.is_finite())
 }

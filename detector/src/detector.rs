@@ -1,6 +1,6 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
-use crate::configuration::all_finite;
+use crate::algebra::all_finite;
 use crate::deviation::Standing;
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Measurement;
-use crate::configuration::all_finite;
+use crate::algebra::all_finite;
 
 /// Longest window, samples.
 pub const MAX_WINDOW: usize = 256;

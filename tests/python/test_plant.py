@@ -251,7 +251,7 @@ def test_absurd_inputs_are_refused_by_name(plant, name, value):
         assert instance.get(outputs) == before
     (text,) = instance.complaints()
     row = next(v for v in plant.description.modelVariables if v.name == name)
-    limits = [f"{float(x):g}".replace("+0", "") for x in (row.min, row.max)]
+    limits = [np.format_float_positional(float(x), trim="-") for x in (row.min, row.max)]
     for part in [f'"{name}"', *limits]:
         assert part in text, text
 

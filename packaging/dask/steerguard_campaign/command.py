@@ -44,7 +44,10 @@ class Campaign:
 
         Returns the number of blocks and the set of those missing.
         """
-        text = self._campaign("--prepare", "--json", stdout=subprocess.PIPE)
+        try:
+            text = self._campaign("--prepare", "--json", stdout=subprocess.PIPE)
+        except Refusal as refusal:
+            raise Refusal(drawn(str(refusal)), refusal.exit_code) from refusal
         prepared = json.loads(text)
         return prepared["blocks"], set(prepared["missing_blocks"])
 
@@ -87,3 +90,18 @@ class Campaign:
         if done.returncode != 0:
             raise Refusal(done.stderr.strip(), exit_code=max(1, done.returncode))
         return done.stdout
+
+
+def drawn(refusal):
+    """What the command says with `--json`, as lines for people; any other text as it is."""
+    try:
+        diagnostics = json.loads(refusal)["diagnostics"]
+    except (ValueError, KeyError, TypeError):
+        return refusal
+    lines = []
+    for diagnostic in diagnostics:
+        place = f"{diagnostic['place']}: " if diagnostic.get("place") else ""
+        lines.append(f"{diagnostic['level']}: {place}{diagnostic['message']}")
+        for kind in ("notes", "help"):
+            lines += [f"{kind.rstrip('s')}: {text}" for text in diagnostic.get(kind) or []]
+    return "\n".join(lines)
