@@ -5,7 +5,8 @@
 //! ones, says what they are worth, and writes the whole configuration as the key `detector` of its file.
 
 use steerguard_detector::{
-    Actuator, Configuration, Detector, Deviations, Evaluation, Gains, Input, TsModel, VehicleState,
+    Actuator, Configuration, Detector, Deviations, Evaluation, Gains, Input, Staleness, TsModel,
+    VehicleState, Zero,
 };
 
 /// How much of an error of v_x and r is left after a sample.
@@ -28,9 +29,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             start_up_amplitude: 0.0,
             start_up_decay: 0.0,
             debounce_samples: 1,
+            alarm_hold_s: 1.0,
         },
         deviations: Deviations::NONE,
         actuator: Actuator::NONE,
+        zero: Zero::default(),
+        staleness: Staleness::NEVER,
     })?;
 
     let mut x = VehicleState { v_x_m_per_s: 15.0, ..VehicleState::default() };

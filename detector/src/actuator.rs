@@ -3,7 +3,8 @@
 //!
 //! # Conventions
 //! - Command u, held from sample to sample; angle x: dead time first, then a lag whose speed is
-//!   limited, `dx/dt = (u(t - delay) - x) / lag`, at most the limit either way.
+//!   limited, `dx/dt = (u(t - delay) - x) / lag`, at most the limit either way; the end stops limit what
+//!   can be reached.
 //! - Solved exactly, whatever part of a sample the dead time is: over a sample the delayed command
 //!   has two values at most, and for a held command x runs along a ramp, then along an exponential.
 //! - Inside: times in sampling periods, rates in rad a sampling period.
@@ -24,11 +25,20 @@ pub struct Actuator {
     pub delay_s: f64,
     /// Fastest turn of the road wheel, rad/s, positive; without it there is no limit.
     pub rate_limit_rad_per_s: Option<f64>,
+    /// Largest angle of the road wheel to either side, rad, positive: its end stops; without it there is no
+    /// limit.
+    pub angle_limit_rad: Option<f64>,
 }
 
 impl Actuator {
     /// No actuator: the command is the angle.
-    pub const NONE: Self = Self { lag_s: 0.0, delay_s: 0.0, rate_limit_rad_per_s: None };
+    pub const NONE: Self =
+        Self { lag_s: 0.0, delay_s: 0.0, rate_limit_rad_per_s: None, angle_limit_rad: None };
+
+    /// The angle in rad at which the road wheel comes to rest under a command in rad.
+    pub fn settled_rad(&self, command_rad: f64) -> f64 {
+        self.angle_limit_rad.map_or(command_rad, |limit| command_rad.max(-limit).min(limit))
+    }
 
     /// Number of whole sampling periods in the dead time.
     pub fn delay_samples(&self, period_s: f64) -> usize {
@@ -70,6 +80,7 @@ impl ActuatorState {
             self.command = Some(command);
             return command;
         }
+        let command = actuator.settled_rad(command);
         if self.command.is_none() {
             self.commands = [command; MAX_DELAY_SAMPLES + 1];
             self.angle = command;

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::all_finite;
 use crate::{
-    Actuator, Deviations, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, TsModel,
+    Actuator, Deviations, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, Staleness,
+    TsModel, Zero,
 };
 
 /// A detector's numbers.
@@ -25,6 +26,10 @@ pub struct Configuration {
     pub deviations: Deviations,
     /// Between the commanded angle and the road wheel.
     pub actuator: Actuator,
+    /// What the sensors show where there is nothing.
+    pub zero: Zero,
+    /// When measurements are stale.
+    pub staleness: Staleness,
 }
 
 /// Why a configuration cannot run: the first field that is not finite or out of its range.
@@ -70,6 +75,7 @@ impl Configuration {
             ("rear axle distance", positive(v.rear_axle_distance_m)),
             ("front cornering stiffness", positive(v.front_cornering_stiffness_n_per_rad)),
             ("rear cornering stiffness", positive(v.rear_cornering_stiffness_n_per_rad)),
+            ("centre-of-gravity height", not_negative(v.centre_of_gravity_height_m)),
             ("longitudinal drag", not_negative(v.longitudinal_drag_n_m_s2_per_m2)),
             ("lateral drag", not_negative(v.lateral_drag_n_s2_per_m2)),
             ("sampling period", positive(self.model.sampling_period_s)),
@@ -91,10 +97,13 @@ impl Configuration {
             ("start-up amplitude", not_negative(e.start_up_amplitude)),
             ("start-up decay", not_negative(e.start_up_decay) && e.start_up_decay < 1.0),
             ("debounce", e.debounce_samples >= 1),
+            ("alarm hold", not_negative(e.alarm_hold_s)),
             ("uncertainty of the mass", not_negative(d.mass)),
             ("uncertainty of the yaw inertia", not_negative(d.yaw_inertia)),
             ("uncertainty of the front stiffness", not_negative(d.front_cornering_stiffness)),
             ("uncertainty of the rear stiffness", not_negative(d.rear_cornering_stiffness)),
+            ("friction", d.friction.is_none_or(positive)),
+            ("uncertainty of the load transfer", not_negative(d.load_transfer)),
             ("bank", not_negative(d.bank_m_per_s2)),
             ("gust speed", not_negative(d.gust.speed_m_per_s)),
             ("gust coefficient", not_negative(d.gust.coefficient_n_s2_per_m2)),
@@ -106,6 +115,16 @@ impl Configuration {
             ("uncertainty of the actuator's lag", not_negative(d.actuator_lag_s)),
             ("uncertainty of the actuator's delay", not_negative(d.actuator_delay_s)),
             ("slowest actuator's delay", delay(&slowest)),
+            ("actuator angle limit", a.angle_limit_rad.is_none_or(positive)),
+            ("uncertainty of the steering ratio", not_negative(d.steering_ratio)),
+            ("uncertainty of the steering offset", not_negative(d.steering_offset_rad)),
+            ("uncertainty of the yaw-rate bias", not_negative(d.yaw_rate_bias_rad_per_s)),
+            ("uncertainty of the speed's scale", not_negative(d.v_x_scale)),
+            ("steering offset", self.zero.steering_offset_rad.is_finite()),
+            ("yaw-rate bias", self.zero.yaw_rate_bias_rad_per_s.is_finite()),
+            ("time until data are stale", not_negative(self.staleness.after_s)),
+            ("jump of the speed", not_negative(self.staleness.v_x_jump_m_per_s)),
+            ("jump of the yaw rate", not_negative(self.staleness.r_jump_rad_per_s)),
         ] {
             if !holds {
                 return Err(ConfigurationError { field });

@@ -2,19 +2,22 @@
 
 use crate::algebra::all_finite;
 use crate::deviation::Standing;
+use crate::reference::References;
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
-    Measurement, Observer, OperatingRange, Place, Responses, Rms, StartUp, StateVector,
-    VehicleState,
+    MOTIONS, Measurement, Observer, OperatingRange, Place, RELEASE, ReferenceMotion, Responses,
+    Rms, Signal, Staleness, StartUp, StateVector, VehicleState, Zero,
 };
 
-/// Inputs and measurements of this magnitude and more count as invalid, in SI units, and an estimate
-/// of this magnitude as lost: a sample that starts below it cannot overflow.
-pub const LARGEST_MAGNITUDE: f64 = 1e9;
+/// An estimate of this magnitude is lost, in SI units: a sample that starts below it cannot overflow.
+pub const LARGEST_ESTIMATE: f64 = 1e9;
 
-/// Whether all `values` are finite and below [`LARGEST_MAGNITUDE`].
-fn plausible(values: &[f64]) -> bool {
-    values.iter().all(|x| -LARGEST_MAGNITUDE < *x && *x < LARGEST_MAGNITUDE)
+/// Time constant of the filter that makes the longitudinal acceleration of the measured speed, s.
+const ACCELERATION_FILTER_S: f64 = 0.15;
+
+/// Whether `x` is a number and not lost.
+fn plausible(x: &VehicleState) -> bool {
+    x.vector().iter().all(|x| -LARGEST_ESTIMATE < *x && *x < LARGEST_ESTIMATE)
 }
 
 /// Which condition holds at the last sample.
@@ -23,13 +26,45 @@ pub enum Monitor {
     /// No sample yet.
     #[default]
     Starting,
-    /// Residual, J and alarm are valid.
+    /// Residual and J are valid, and new alarms are given by them.
     Monitoring,
-    /// The measurement or the estimated lateral speed lies outside S_x: the alarm is withheld.
+    /// The measurement or the estimated lateral speed lies outside S_x: the residual raises no alarm.
     OutOfRange,
-    /// A measurement or input is not finite or larger than [`LARGEST_MAGNITUDE`]: the other outputs
-    /// keep their last values, and the observer starts anew at the next valid sample.
+    /// A measurement or input is not finite or beyond its [limit](Signal::limit): the other outputs keep
+    /// their last values, and the observer starts anew at the next valid sample.
     InvalidInput,
+    /// The detector is switched off: no alarm, and a clean start afterwards.
+    Disabled,
+    /// The measurements have not changed for too long: no new alarm.
+    StaleInput,
+}
+
+/// What keeps the detector from monitoring.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StateCause {
+    /// Nothing, or that no sample has come yet.
+    #[default]
+    None,
+    /// A signal that is invalid, out of range, or no longer changes.
+    Signal(Signal),
+    /// The estimated lateral speed is out of range.
+    LateralSpeed,
+    /// Neither measured signal changes any more.
+    Unchanged,
+    /// It is switched off.
+    NotEnabled,
+}
+
+/// Which test raised the alarm that stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AlarmCause {
+    /// No alarm stands.
+    #[default]
+    None,
+    /// `J >= J_th`.
+    Residual,
+    /// The vehicle has left S_x, and no reference motion does.
+    Range,
 }
 
 /// How the observer starts at the first sample; every later start is from the measurement.
@@ -57,10 +92,14 @@ pub struct Output {
     /// The J that the smallest fault of interest would make alone had it acted since the observer's
     /// start, over J_th: below 1 it could not be seen.
     pub detectability: f64,
-    /// Whether a fault is detected at this sample.
+    /// Whether an alarm stands: it ends once J has stayed below [`RELEASE`] of J_th for a while.
     pub alarm: bool,
+    /// Which test raised it.
+    pub alarm_cause: AlarmCause,
     /// Which condition holds.
     pub monitor: Monitor,
+    /// What keeps it from monitoring.
+    pub state_cause: StateCause,
     /// Index of the sample that raised the first alarm.
     pub first_alarm: Option<u64>,
 }
@@ -86,8 +125,20 @@ pub struct State {
     pub actuator: ActuatorState,
     /// The slowest that the actuator may be, likewise.
     pub slowest_actuator: ActuatorState,
-    /// Consecutive samples with `J >= J_th`.
+    /// Reference motions at the sample to come, meaningful while `followed` is not 0.
+    pub motions: [ReferenceMotion; MOTIONS],
+    /// Samples that they have followed the speed without a break.
+    pub followed: u32,
+    /// Filtered speed behind the longitudinal acceleration, m/s, likewise.
+    pub filtered_v_x_m_per_s: f64,
+    /// The last valid measurement.
+    pub last: Measurement,
+    /// Samples since it changed.
+    pub unchanged: u32,
+    /// Consecutive samples that raise an alarm.
     pub exceedances: u32,
+    /// Consecutive samples that would end one.
+    pub clear: u32,
     /// Results of the last sample.
     pub output: Output,
 }
@@ -114,8 +165,13 @@ pub struct Detector {
     slowest_actuator: Actuator,
     deviations: Deviations,
     standing: Standing,
+    references: References,
+    staleness: Staleness,
+    zero: Zero,
     threshold_factor: f64,
     debounce_samples: u32,
+    alarm_hold_s: f64,
+    enabled: bool,
     initialisation: Initialisation,
     state: State,
 }
@@ -127,9 +183,19 @@ impl Detector {
     /// [`ConfigurationError`] where a number is not finite or out of its range.
     pub fn new(configuration: &Configuration) -> Result<Self, ConfigurationError> {
         configuration.check()?;
-        let Configuration { model, hysteresis, gains, evaluation, actuator, deviations } =
-            *configuration;
+        let Configuration {
+            model,
+            hysteresis,
+            gains,
+            evaluation,
+            actuator,
+            deviations,
+            zero,
+            staleness,
+        } = *configuration;
         let observer = Observer::new(model, gains);
+        let references =
+            References::new(&model.vehicle, &deviations.uncertainty, model.sampling_period_s);
         Ok(Self {
             observer,
             armed_range: model.range.shrunk(hysteresis),
@@ -137,9 +203,14 @@ impl Detector {
             actuator,
             slowest_actuator: deviations.uncertainty.slowest(&actuator),
             deviations,
-            standing: Standing::new(&deviations, &observer, &evaluation),
+            standing: Standing::new(&deviations, &observer, &evaluation, references.distinct),
+            references,
+            staleness,
+            zero,
             threshold_factor: 1.0,
             debounce_samples: evaluation.debounce_samples,
+            alarm_hold_s: evaluation.alarm_hold_s,
+            enabled: true,
             initialisation: Initialisation::FirstMeasurement,
             state: State {
                 sample: 0,
@@ -151,7 +222,13 @@ impl Detector {
                 responses: Responses::NONE,
                 actuator: ActuatorState::START,
                 slowest_actuator: ActuatorState::START,
+                motions: [ReferenceMotion::default(); MOTIONS],
+                followed: 0,
+                filtered_v_x_m_per_s: 0.0,
+                last: Measurement::default(),
+                unchanged: 0,
                 exceedances: 0,
+                clear: 0,
                 output: Output { j_th: evaluation.threshold, ..Output::default() },
             },
         })
@@ -192,6 +269,67 @@ impl Detector {
             return Err(ConfigurationError { field: "debounce" });
         }
         self.debounce_samples = samples;
+        Ok(())
+    }
+
+    /// Time of monitoring with J below [`RELEASE`] of J_th that ends an alarm, s.
+    pub const fn alarm_hold_s(&self) -> f64 {
+        self.alarm_hold_s
+    }
+
+    /// Sets the time of monitoring with J below [`RELEASE`] of J_th that ends an alarm, s.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] where it is negative or not finite.
+    pub fn set_alarm_hold_s(&mut self, hold_s: f64) -> Result<(), ConfigurationError> {
+        if !(hold_s >= 0.0 && hold_s.is_finite()) {
+            return Err(ConfigurationError { field: "alarm hold" });
+        }
+        self.alarm_hold_s = hold_s;
+        Ok(())
+    }
+
+    /// Whether the detector is switched on.
+    pub const fn enabled(&self) -> bool {
+        self.enabled
+    }
+
+    /// Switches the detector on or off, from the sample to come on.
+    pub const fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+    }
+
+    /// What the sensors show where there is nothing.
+    pub const fn zero(&self) -> Zero {
+        self.zero
+    }
+
+    /// Sets what the sensors show where there is nothing.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] for a number that is not finite.
+    pub fn set_zero(&mut self, zero: Zero) -> Result<(), ConfigurationError> {
+        if !all_finite(&[zero.steering_offset_rad, zero.yaw_rate_bias_rad_per_s]) {
+            return Err(ConfigurationError { field: "zero of a sensor" });
+        }
+        self.zero = zero;
+        Ok(())
+    }
+
+    /// Time after which measurements that do not change are stale, s; 0 for never.
+    pub const fn stale_after_s(&self) -> f64 {
+        self.staleness.after_s
+    }
+
+    /// Sets the time after which measurements that do not change are stale, s; 0 for never.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] where it is negative or not finite.
+    pub fn set_stale_after_s(&mut self, after_s: f64) -> Result<(), ConfigurationError> {
+        if !(after_s >= 0.0 && after_s.is_finite()) {
+            return Err(ConfigurationError { field: "time until data are stale" });
+        }
+        self.staleness.after_s = after_s;
         Ok(())
     }
 
@@ -237,9 +375,15 @@ impl Detector {
             && windows.iter().all(|rms| rms.is_possible(window))
             && state.start_up.samples <= window
             && all_finite(&[state.start_up.power, state.start_up.sum])
-            && all_finite(&responses.remainder)
-            && all_finite(responses.uncertainties.as_flattened())
+            && all_finite(&responses.known)
+            && all_finite(responses.along.as_flattened().as_flattened())
+            && all_finite(responses.common.as_flattened())
+            && all_finite(responses.sensed.as_flattened())
             && all_finite(&responses.fault)
+            && state.motions.iter().all(|x| all_finite(&[x.v_y_m_per_s, x.r_rad_per_s]))
+            && all_finite(&[state.filtered_v_x_m_per_s])
+            && all_finite(&state.last.vector())
+            && output.alarm == (output.alarm_cause != AlarmCause::None)
             && actuators.iter().all(|(state, of)| state.is_possible(of.delay_samples(period_s)))
             && all_finite(&[
                 v_x_m_per_s,
@@ -264,18 +408,37 @@ impl Detector {
 
     /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
+        let invalid = Signal::invalid(y, u);
         let [delta_rad, slowest_rad] = self.steer(u.delta_rad);
-        if plausible(&y.vector()) && plausible(&u.vector()) {
-            self.track(y);
-            if self.state.tracking {
-                self.observe(y, Input { delta_rad, ..u }, slowest_rad - delta_rad);
-            }
-            self.decide();
+        if let Some(signal) = invalid {
+            // Time passes unseen: z and motions are void, the last results stand.
+            let state = &mut self.state;
+            state.tracking = false;
+            state.armed = false;
+            state.followed = 0;
+            state.unchanged = 0;
+            state.output.monitor = Monitor::InvalidInput;
+            state.output.state_cause = StateCause::Signal(signal);
         } else {
-            // Time passes unseen: z is void, the last results stand.
-            self.state.tracking = false;
-            self.state.armed = false;
-            self.state.output.monitor = Monitor::InvalidInput;
+            let r_rad_per_s = y.r_rad_per_s - self.zero.yaw_rate_bias_rad_per_s;
+            let y = Measurement { r_rad_per_s, ..y };
+            let u = Input { delta_rad, ..u };
+            let stale = self.compare(y);
+            let a_x_m_per_s2 = self.follow(y);
+            if self.enabled {
+                self.track(y);
+                if self.state.tracking {
+                    self.observe(y, u, slowest_rad - delta_rad, a_x_m_per_s2);
+                }
+                self.decide(y, stale);
+            } else {
+                self.rest();
+            }
+            if self.state.followed > 0 {
+                let Measurement { v_x_m_per_s, r_rad_per_s } = y;
+                let motions = &mut self.state.motions;
+                self.references.advance(motions, v_x_m_per_s, r_rad_per_s, delta_rad);
+            }
         }
         self.state.sample += 1;
         &self.state.output
@@ -284,11 +447,14 @@ impl Detector {
     /// The angle at the road wheel, the average over this sample, for what the input says of it, and
     /// the same of the slowest actuator. An invalid command leaves the last one standing: the actuator
     /// goes on in any case.
-    fn steer(&mut self, command: f64) -> [f64; 2] {
+    fn steer(&mut self, shown: f64) -> [f64; 2] {
         let State { actuator, slowest_actuator, .. } = &mut self.state;
-        let valid = if plausible(&[command]) { Some(command) } else { actuator.command };
-        let Some(command) = valid else {
-            return [command; 2];
+        let limit = Signal::SteeringAngle.limit();
+        let valid = -limit <= shown && shown <= limit;
+        let command =
+            if valid { Some(shown - self.zero.steering_offset_rad) } else { actuator.command };
+        let Some(command) = command else {
+            return [0.0; 2];
         };
         let period_s = self.observer.model.sampling_period_s;
         let angle = actuator.sample(&self.actuator, period_s, command);
@@ -297,6 +463,51 @@ impl Detector {
         } else {
             [angle, slowest_actuator.sample(&self.slowest_actuator, period_s, command)]
         }
+    }
+
+    /// Whether measurements are stale at this one. Where they return with a jump the observer starts anew.
+    fn compare(&mut self, y: Measurement) -> bool {
+        let state = &mut self.state;
+        let period_s = self.observer.model.sampling_period_s;
+        let stale = |unchanged: u32| {
+            self.staleness.after_s > 0.0
+                && f64::from(unchanged) * period_s > self.staleness.after_s
+                && self.observer.model.range.v_x.contains(y.v_x_m_per_s)
+        };
+        let same = state.sample > 0
+            && y.vector().map(f64::to_bits) == state.last.vector().map(f64::to_bits);
+        if same {
+            state.unchanged = state.unchanged.saturating_add(1);
+        } else {
+            if stale(state.unchanged) && self.staleness.jumps(state.last, y) {
+                state.tracking = false;
+                state.armed = false;
+                state.followed = 0;
+            }
+            state.unchanged = 0;
+        }
+        state.last = y;
+        stale(state.unchanged)
+    }
+
+    /// Lets the reference motions begin or go on; returns the longitudinal acceleration, m/s^2.
+    fn follow(&mut self, y: Measurement) -> f64 {
+        let state = &mut self.state;
+        let v_x = y.v_x_m_per_s;
+        if !self.observer.model.range.v_x.contains(v_x) {
+            state.followed = 0;
+            return 0.0;
+        }
+        if state.followed == 0 {
+            let r_rad_per_s = y.r_rad_per_s;
+            state.motions = [ReferenceMotion { v_y_m_per_s: 0.0, r_rad_per_s }; MOTIONS];
+            state.filtered_v_x_m_per_s = v_x;
+        }
+        state.followed = state.followed.saturating_add(1);
+        let period_s = self.observer.model.sampling_period_s;
+        let a_x = (v_x - state.filtered_v_x_m_per_s) / (ACCELERATION_FILTER_S + period_s);
+        state.filtered_v_x_m_per_s += period_s * a_x;
+        a_x
     }
 
     /// Stops the observer outside S_x and starts it, armed, inside the armed range.
@@ -327,14 +538,13 @@ impl Detector {
         state.rms = Rms::EMPTY;
         state.start_up = StartUp::RESTARTED;
         state.responses = Responses::NONE;
-        state.exceedances = 0;
     }
 
     /// Residual and J of this sample, and z of the next.
-    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64) {
+    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64, a_x_m_per_s2: f64) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
-        if !plausible(&x_hat.vector()) {
+        if !plausible(&x_hat) {
             // phi grows with the square of the estimate: nothing leads back from here.
             state.tracking = false;
             state.armed = false;
@@ -342,21 +552,28 @@ impl Detector {
         }
         let h = self.observer.membership(y);
         let n = self.observer.n(&h);
-        state.z = self.observer.advance(&h, &n, state.z, y, u, x_hat.v_y_m_per_s);
+        let l = self.observer.l(&h);
+        state.z = self.observer.advance(&n, &l, state.z, y, u, x_hat.v_y_m_per_s);
 
         let evaluation = &self.evaluation;
-        // (10), less what Euler's remainder makes of it: method 6.
-        let [v_x, _, r] = state.responses.remainder;
+        // (10), less what is known to depart from (7): method 6.
+        let [v_x, _, r] = state.responses.known;
         let residual = Measurement {
             v_x_m_per_s: y.v_x_m_per_s - x_hat.v_x_m_per_s - v_x,
             r_rad_per_s: y.r_rad_per_s - x_hat.r_rad_per_s - r,
         };
-        let [uncertainty, fault] = state.responses.levels(&self.standing, evaluation);
         let Measurement { v_x_m_per_s, r_rad_per_s } = y;
         let v_y_m_per_s = x_hat.v_y_m_per_s;
+        let [uncertainty, fault] = state.responses.levels(
+            &self.standing,
+            &self.deviations,
+            &self.observer,
+            evaluation,
+            v_x_m_per_s,
+        );
         let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
-        let place = Place { x, u, slowest_behind_rad };
-        state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &place);
+        let place = Place { x, u, slowest_behind_rad, a_x_m_per_s2, motions: state.motions };
+        state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &l, &place);
 
         let output = &mut state.output;
         output.residual = residual;
@@ -371,23 +588,111 @@ impl Detector {
         state.armed &= self.observer.model.range.v_y.contains(v_y_m_per_s);
     }
 
-    /// Alarm and condition of this sample.
-    fn decide(&mut self) {
+    /// The results while switched off.
+    fn rest(&mut self) {
         let state = &mut self.state;
-        let output = &mut state.output;
-        if !state.tracking {
-            *output = Output {
+        state.tracking = false;
+        state.armed = false;
+        state.exceedances = 0;
+        state.clear = 0;
+        state.output = Output {
+            j_th: self.threshold_factor * self.evaluation.threshold,
+            first_alarm: state.output.first_alarm,
+            monitor: Monitor::Disabled,
+            state_cause: StateCause::NotEnabled,
+            ..Output::default()
+        };
+    }
+
+    /// What keeps the detector from monitoring where it is not armed: what lies outside S_x, or else what
+    /// keeps it from arming.
+    fn out_of_range(&self, y: Measurement) -> StateCause {
+        let v_y_hat = self.state.output.v_y_hat;
+        let outside = |range: &OperatingRange| {
+            if !range.v_x.contains(y.v_x_m_per_s) {
+                StateCause::Signal(Signal::Speed)
+            } else if !range.r.contains(y.r_rad_per_s) {
+                StateCause::Signal(Signal::YawRate)
+            } else if !range.v_y.contains(v_y_hat) {
+                StateCause::LateralSpeed
+            } else {
+                StateCause::None
+            }
+        };
+        match outside(&self.observer.model.range) {
+            StateCause::None => outside(&self.armed_range),
+            cause => cause,
+        }
+    }
+
+    /// Whether yaw rate or estimated lateral speed have left S_x although every reference motion, which
+    /// knows no fault, stays well inside.
+    fn is_astray(&self, y: Measurement) -> bool {
+        let range = &self.observer.model.range;
+        let State { followed, motions, output, .. } = &self.state;
+        let left = !range.r.contains(y.r_rad_per_s) || !range.v_y.contains(output.v_y_hat);
+        // A motion that has begun at the measurement must have come to the command's.
+        left && *followed > self.evaluation.window as u32
+            && motions.iter().all(|motion| {
+                self.armed_range.r.contains(motion.r_rad_per_s)
+                    && self.armed_range.v_y.contains(motion.v_y_m_per_s)
+            })
+    }
+
+    /// Alarm and condition of this sample.
+    fn decide(&mut self, y: Measurement, stale: bool) {
+        if !self.state.tracking {
+            let Output { alarm, alarm_cause, first_alarm, .. } = self.state.output;
+            self.state.output = Output {
                 j_th: self.threshold_factor * self.evaluation.threshold,
-                first_alarm: output.first_alarm,
+                alarm,
+                alarm_cause,
+                first_alarm,
                 ..Output::default()
             };
         }
-        let exceeds = state.armed && output.j_rms >= output.j_th;
-        state.exceedances = if exceeds { state.exceedances.saturating_add(1) } else { 0 };
-        output.alarm = exceeds && state.exceedances >= self.debounce_samples;
-        output.monitor = if state.armed { Monitor::Monitoring } else { Monitor::OutOfRange };
-        if output.alarm && output.first_alarm.is_none() {
-            output.first_alarm = Some(state.sample);
+        let astray = !stale && self.is_astray(y);
+        let state_cause = if stale {
+            StateCause::Unchanged
+        } else if self.state.armed {
+            StateCause::None
+        } else {
+            self.out_of_range(y)
+        };
+        let state = &mut self.state;
+        let output = &mut state.output;
+        output.state_cause = state_cause;
+        output.monitor = if stale {
+            output.detectability = 0.0;
+            Monitor::StaleInput
+        } else if state.armed {
+            Monitor::Monitoring
+        } else {
+            Monitor::OutOfRange
+        };
+        let monitors = output.monitor == Monitor::Monitoring;
+        let exceeds = monitors && output.j_rms >= output.j_th;
+        // Where nothing can be told the count stands.
+        if exceeds || astray {
+            state.exceedances = state.exceedances.saturating_add(1);
+        } else if monitors {
+            state.exceedances = 0;
+        }
+        if output.alarm {
+            let clear = monitors && output.j_rms < RELEASE * output.j_th;
+            state.clear = if clear { state.clear.saturating_add(1) } else { 0 };
+            let period_s = self.observer.model.sampling_period_s;
+            if clear && f64::from(state.clear) * period_s >= self.alarm_hold_s {
+                output.alarm = false;
+                output.alarm_cause = AlarmCause::None;
+            }
+        } else if (exceeds || astray) && state.exceedances >= self.debounce_samples {
+            output.alarm = true;
+            output.alarm_cause = if exceeds { AlarmCause::Residual } else { AlarmCause::Range };
+            state.clear = 0;
+            if output.first_alarm.is_none() {
+                output.first_alarm = Some(state.sample);
+            }
         }
     }
 }

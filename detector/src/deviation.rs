@@ -3,20 +3,23 @@
 //! # Conventions
 //! - A deviation `w` is what one sampling period adds to the state beside (7). The error answers with
 //!   `e+ = N(h) e + M w` (13), to first order in e: a response is that e, 3 x 1.
-//! - Three kinds: Euler's remainder, known and taken out of the residual; uncertainties, known by
-//!   their bounds, which raise the threshold; the smallest fault of interest, which says what the
-//!   threshold still lets through. method 6.
+//! - Three kinds: what is known, Euler's remainder and the transfer of axle load, which is taken out of the
+//!   residual; uncertainties, known by their bounds, which raise the threshold; the smallest fault of
+//!   interest, which says what the threshold still lets through. method 6.
+//! - A slope d that acts over a whole period adds `(I + T_s J / 2) T_s d`, J the model's Jacobian: the
+//!   vehicle has moved on by it when the period ends.
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::{product, sum};
+use crate::reference::{MOTIONS, ReferenceMotion};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
 
-/// Number of uncertainties.
-pub const UNCERTAINTIES: usize = 7;
+/// Standard gravity, m/s^2.
+pub const GRAVITY_M_PER_S2: f64 = 9.80665;
 
-/// What is not known of vehicle, road and air: bounds, not negative, 0 for what is known.
+/// What is not known of vehicle, road, air and sensors: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Uncertainty {
@@ -28,6 +31,10 @@ pub struct Uncertainty {
     pub front_cornering_stiffness: f64,
     /// Largest `|C_r' / C_r - 1|` of the true stiffness C_r'.
     pub rear_cornering_stiffness: f64,
+    /// Smallest friction between tyre and road, positive; none for tyres without end.
+    pub friction: Option<f64>,
+    /// Largest relative error of the known transfer of axle load.
+    pub load_transfer: f64,
     /// Lateral component of gravity on the steepest bank, m/s^2.
     pub bank_m_per_s2: f64,
     /// Fastest gust across the road.
@@ -36,6 +43,14 @@ pub struct Uncertainty {
     pub actuator_lag_s: f64,
     /// Longest dead time of the actuator beyond the one modelled, s.
     pub actuator_delay_s: f64,
+    /// Largest relative error of the steering ratio.
+    pub steering_ratio: f64,
+    /// Largest offset of the road wheel from where it is commanded to be, rad.
+    pub steering_offset_rad: f64,
+    /// Largest bias of the yaw-rate sensor, rad/s.
+    pub yaw_rate_bias_rad_per_s: f64,
+    /// Largest relative error of the measured speed.
+    pub v_x_scale: f64,
 }
 
 /// A gust across the road: side force `coefficient w sqrt(v_x^2 + w^2)`, `w` its speed.
@@ -51,22 +66,99 @@ pub struct Gust {
 }
 
 impl Gust {
+    /// Still air.
+    pub const NONE: Self =
+        Self { speed_m_per_s: 0.0, coefficient_n_s2_per_m2: 0.0, acting_ahead_m: 0.0 };
+
     /// Side force in N at speed `v_x` in m/s.
     pub fn side_force(&self, v_x: f64) -> f64 {
         let w = self.speed_m_per_s;
         self.coefficient_n_s2_per_m2 * w * libm::sqrt(v_x * v_x + w * w)
+    }
+
+    fn blows(&self) -> bool {
+        self.speed_m_per_s > 0.0 && self.coefficient_n_s2_per_m2 > 0.0
     }
 }
 
 /// Where the vehicle is at a sample, as far as measured, estimated and commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// State.
+    /// State, the lateral speed estimated.
     pub x: VehicleState,
     /// Input, the angle that of the actuator.
     pub u: Input,
     /// The angle of the slowest actuator less that angle, rad.
     pub slowest_behind_rad: f64,
+    /// Longitudinal acceleration, m/s^2.
+    pub a_x_m_per_s2: f64,
+    /// Reference motions, where what is uncertain of the vehicle acts.
+    pub motions: [ReferenceMotion; MOTIONS],
+}
+
+/// The uncertainties by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Mass.
+    Mass,
+    /// Yaw inertia.
+    YawInertia,
+    /// Front stiffness.
+    FrontStiffness,
+    /// Rear stiffness.
+    RearStiffness,
+    /// Tyres that saturate.
+    Friction,
+    /// Transfer of axle load.
+    LoadTransfer,
+    /// Bank of the road.
+    Bank,
+    /// Gust.
+    Gust,
+    /// A slower actuator.
+    Actuator,
+    /// Steering ratio.
+    SteeringRatio,
+    /// Steering offset.
+    SteeringOffset,
+    /// What the front stiffness makes of the axle force that bank and gust ask for.
+    FrontUnderSideForce,
+    /// What the rear stiffness makes of it.
+    RearUnderSideForce,
+    /// Bias of the yaw-rate sensor.
+    YawRateBias,
+    /// Error of the measured speed.
+    SpeedScale,
+}
+
+/// Number of causes.
+pub const CAUSES: usize = 15;
+/// The first causes act along the reference motions,
+const ALONG: usize = 5;
+/// the next on the vehicle wherever it is,
+const COMMON: usize = 8;
+/// and the last on the measurement.
+const SENSED: usize = 2;
+
+impl Cause {
+    /// In the order in which they are told.
+    pub const ALL: [Self; CAUSES] = [
+        Self::Mass,
+        Self::YawInertia,
+        Self::FrontStiffness,
+        Self::RearStiffness,
+        Self::Friction,
+        Self::LoadTransfer,
+        Self::Bank,
+        Self::Gust,
+        Self::Actuator,
+        Self::SteeringRatio,
+        Self::SteeringOffset,
+        Self::FrontUnderSideForce,
+        Self::RearUnderSideForce,
+        Self::YawRateBias,
+        Self::SpeedScale,
+    ];
 }
 
 impl Uncertainty {
@@ -76,10 +168,16 @@ impl Uncertainty {
         yaw_inertia: 0.0,
         front_cornering_stiffness: 0.0,
         rear_cornering_stiffness: 0.0,
+        friction: None,
+        load_transfer: 0.0,
         bank_m_per_s2: 0.0,
-        gust: Gust { speed_m_per_s: 0.0, coefficient_n_s2_per_m2: 0.0, acting_ahead_m: 0.0 },
+        gust: Gust::NONE,
         actuator_lag_s: 0.0,
         actuator_delay_s: 0.0,
+        steering_ratio: 0.0,
+        steering_offset_rad: 0.0,
+        yaw_rate_bias_rad_per_s: 0.0,
+        v_x_scale: 0.0,
     };
 
     /// The slowest that an `actuator` may be.
@@ -91,92 +189,123 @@ impl Uncertainty {
         }
     }
 
-    /// What each uncertainty at its bound adds to `x'` (1) of `vehicle`, in m/s^2, m/s^2, rad/s^2 and in
-    /// the order of the fields.
-    pub fn slopes(&self, vehicle: &Vehicle, place: &Place) -> [StateVector; UNCERTAINTIES] {
-        let forces = vehicle.axle_forces(place.x, place.u.delta_rad);
-        Kind::ALL.map(|kind| self.slope(kind, vehicle, place, forces))
+    /// Whether a cause is more than nothing.
+    fn acts(&self, cause: Cause, vehicle: &Vehicle) -> bool {
+        let side_force = self.bank_m_per_s2 > 0.0 || self.gust.blows();
+        match cause {
+            Cause::Mass => self.mass > 0.0,
+            Cause::YawInertia => self.yaw_inertia > 0.0,
+            Cause::FrontStiffness => self.front_cornering_stiffness > 0.0,
+            Cause::RearStiffness => self.rear_cornering_stiffness > 0.0,
+            Cause::Friction => self.friction.is_some(),
+            Cause::LoadTransfer => {
+                self.load_transfer > 0.0 && vehicle.centre_of_gravity_height_m > 0.0
+            }
+            Cause::Bank => self.bank_m_per_s2 > 0.0,
+            Cause::Gust => self.gust.blows(),
+            Cause::Actuator => self.actuator_lag_s > 0.0 || self.actuator_delay_s > 0.0,
+            Cause::SteeringRatio => self.steering_ratio > 0.0,
+            Cause::SteeringOffset => self.steering_offset_rad > 0.0,
+            Cause::FrontUnderSideForce => side_force && self.front_cornering_stiffness > 0.0,
+            Cause::RearUnderSideForce => side_force && self.rear_cornering_stiffness > 0.0,
+            Cause::YawRateBias => self.yaw_rate_bias_rad_per_s > 0.0,
+            Cause::SpeedScale => self.v_x_scale > 0.0,
+        }
     }
 
-    /// That of one, under the axle forces `[F_yf, F_yr]` in N.
-    fn slope(
-        &self,
-        kind: Kind,
-        vehicle: &Vehicle,
-        place: &Place,
-        [front, rear]: [f64; 2],
-    ) -> StateVector {
-        let Place { x, u, slowest_behind_rad } = *place;
+    /// What a front and a rear axle force in N add to x' (1), of the lightest vehicle with the least yaw
+    /// inertia: m/s^2, m/s^2, rad/s^2. The products of uncertainties are in it.
+    fn of_forces(&self, vehicle: &Vehicle, front: f64, rear: f64) -> StateVector {
+        let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
+        [
+            0.0,
+            (1.0 + self.mass) * (front + rear) / vehicle.mass_kg,
+            (1.0 + self.yaw_inertia) * (l_f * front - l_r * rear) / vehicle.yaw_inertia_kg_m2,
+        ]
+    }
+
+    /// What each cause that acts along a motion adds to x', at `x` of that motion.
+    fn along(&self, vehicle: &Vehicle, x: VehicleState, u: Input) -> [StateVector; ALONG] {
         let [v_x, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-        let (c_f, c_r) = (self.front_cornering_stiffness, self.rear_cornering_stiffness);
-        match kind {
-            Kind::Mass => {
-                let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
-                let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
-                    / vehicle.effective_longitudinal_inertia_kg_m;
-                [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0]
-            }
-            Kind::YawInertia => [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
-            Kind::FrontStiffness => [0.0, c_f * front / m, c_f * l_f * front / i_z],
-            Kind::RearStiffness => [0.0, c_r * rear / m, -c_r * l_r * rear / i_z],
-            Kind::Bank => [0.0, self.bank_m_per_s2, 0.0],
-            Kind::Gust => {
-                let gust = self.gust.side_force(v_x);
-                [0.0, gust / m, self.gust.acting_ahead_m * gust / i_z]
-            }
-            Kind::Actuator => {
-                let behind = 2.0 * vehicle.front_cornering_stiffness_n_per_rad * slowest_behind_rad;
-                [0.0, behind / m, l_f * behind / i_z]
-            }
-        }
+        let [front, rear] = vehicle.axle_forces(x, u.delta_rad);
+        let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
+        let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
+            / vehicle.effective_longitudinal_inertia_kg_m;
+        let saturated = self.friction.map_or([0.0; 3], |friction| {
+            let [front_load, rear_load] = vehicle.axle_loads_n(0.0);
+            let missing = |force: f64, load: f64| -force * deficit(force / (friction * load));
+            self.of_forces(vehicle, missing(front, front_load), missing(rear, rear_load))
+        });
+        [
+            [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
+            [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
+            self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
+            self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),
+            saturated,
+        ]
     }
 
-    /// Whether one is more than nothing.
-    fn acts(&self, kind: Kind) -> bool {
-        match kind {
-            Kind::Mass => self.mass > 0.0,
-            Kind::YawInertia => self.yaw_inertia > 0.0,
-            Kind::FrontStiffness => self.front_cornering_stiffness > 0.0,
-            Kind::RearStiffness => self.rear_cornering_stiffness > 0.0,
-            Kind::Bank => self.bank_m_per_s2 > 0.0,
-            Kind::Gust => self.gust.speed_m_per_s > 0.0 && self.gust.coefficient_n_s2_per_m2 > 0.0,
-            Kind::Actuator => self.actuator_lag_s > 0.0 || self.actuator_delay_s > 0.0,
-        }
+    /// What each cause that acts wherever the vehicle is adds to x'; `transfer` is what the known transfer
+    /// of axle load adds.
+    fn common(
+        &self,
+        vehicle: &Vehicle,
+        place: &Place,
+        transfer: StateVector,
+    ) -> [StateVector; COMMON] {
+        let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
+        let wheelbase = l_f + l_r;
+        let by_steering = 2.0 * vehicle.front_cornering_stiffness_n_per_rad;
+        let turned = |angle_rad: f64| self.of_forces(vehicle, by_steering * angle_rad, 0.0);
+        let gust = self.gust.side_force(place.x.v_x_m_per_s);
+        let ahead = self.gust.acting_ahead_m;
+        let of_gust = [
+            0.0,
+            (1.0 + self.mass) * gust / vehicle.mass_kg,
+            (1.0 + self.yaw_inertia) * ahead * gust / vehicle.yaw_inertia_kg_m2,
+        ];
+        // Axle forces that hold the vehicle straight against bank and gust.
+        let bank = vehicle.mass_kg * self.bank_m_per_s2;
+        let front = (bank * l_r + gust * magnitude(l_r + ahead)) / wheelbase;
+        let rear = (bank * l_f + gust * magnitude(l_f - ahead)) / wheelbase;
+        [
+            transfer.map(|x| self.load_transfer * x),
+            [0.0, self.bank_m_per_s2, 0.0],
+            of_gust,
+            turned(place.slowest_behind_rad),
+            turned(self.steering_ratio * place.u.delta_rad),
+            turned(self.steering_offset_rad),
+            self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
+            self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),
+        ]
+    }
+
+    /// What each cause that acts on the measurement adds to it: columns of y, m/s and rad/s.
+    fn sensed(&self, v_x: f64) -> [[f64; 2]; SENSED] {
+        [[0.0, self.yaw_rate_bias_rad_per_s], [self.v_x_scale * v_x, 0.0]]
     }
 }
 
-/// The uncertainties by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Mass,
-    YawInertia,
-    FrontStiffness,
-    RearStiffness,
-    Bank,
-    Gust,
-    Actuator,
+/// `1 - tanh(x) / x`, the share of a linear tyre's force that is missing where it asks for x times what
+/// friction holds; from above, by a continued fraction: by at most 0.7 % of the force for |x| below 3.
+fn deficit(x: f64) -> f64 {
+    let square = x * x;
+    let fraction = square / (3.0 + square / (5.0 + square / 7.0));
+    fraction / (1.0 + fraction)
 }
 
-impl Kind {
-    /// In the order in which they are told.
-    const ALL: [Self; UNCERTAINTIES] = [
-        Self::Mass,
-        Self::YawInertia,
-        Self::FrontStiffness,
-        Self::RearStiffness,
-        Self::Bank,
-        Self::Gust,
-        Self::Actuator,
-    ];
+fn magnitude(x: f64) -> f64 {
+    x.max(-x)
 }
 
 /// What the detector is told of deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Deviations {
-    /// Whether the response to Euler's remainder is taken out of the residual.
+    /// Whether the response to Euler's remainder is taken out of the residual, and slopes act over the
+    /// period; else all is as Euler's steps say.
     pub euler_correction: bool,
     /// What raises the threshold.
     pub uncertainty: Uncertainty,
@@ -194,12 +323,15 @@ impl Deviations {
 /// What no sample changes of the responses, found once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Standing {
-    /// The uncertainties that act and raise the threshold: the others cost nothing.
-    acting: [bool; UNCERTAINTIES],
-    /// Whether there is one.
+    /// The causes that act and raise the threshold: the others cost nothing.
+    acting: [bool; CAUSES],
+    /// Whether there is one, and whether one acts along the motions.
     any: bool,
-    /// `M w` of the smallest fault.
-    m_fault: StateVector,
+    along: bool,
+    /// Reference motions that differ.
+    motions: usize,
+    /// Whether axle load is transferred.
+    transfers: bool,
 }
 
 impl Standing {
@@ -207,27 +339,40 @@ impl Standing {
         deviations: &Deviations,
         observer: &Observer,
         evaluation: &Evaluation,
+        motions: usize,
     ) -> Self {
         let raises = evaluation.uncertainty_share > 0.0;
-        let acting = Kind::ALL.map(|kind| raises && deviations.uncertainty.acts(kind));
+        let vehicle = &observer.model.vehicle;
+        let acting = Cause::ALL.map(|cause| raises && deviations.uncertainty.acts(cause, vehicle));
         Self {
             acting,
             any: acting.contains(&true),
-            m_fault: product(&observer.gains.m, &deviations.smallest_fault),
+            along: acting.iter().take(ALONG).any(|&acts| acts),
+            motions,
+            transfers: vehicle.centre_of_gravity_height_m > 0.0,
         }
+    }
+
+    /// Of the causes from `first` on.
+    fn acting(&self, first: usize) -> impl Iterator<Item = &bool> {
+        self.acting.iter().skip(first)
     }
 }
 
 /// Responses since the observer's start, e in m/s, m/s, rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Responses {
-    /// To Euler's remainder.
-    pub remainder: StateVector,
-    /// To each uncertainty at its bound.
-    pub uncertainties: [StateVector; UNCERTAINTIES],
+    /// To what is known.
+    pub known: StateVector,
+    /// To each cause at its bound that acts along the motions, motion by motion.
+    pub along: [[StateVector; ALONG]; MOTIONS],
+    /// To each that acts wherever the vehicle is.
+    pub common: [StateVector; COMMON],
+    /// To each that acts on the measurement: `e - E` times the measurement's error.
+    pub sensed: [StateVector; SENSED],
     /// To the smallest fault of interest.
     pub fault: StateVector,
-    /// Window of the sum of `||W_r C e||` over the uncertainties.
+    /// Window of the sum of `||W_r C e||` over the causes.
     pub uncertainty_rms: Rms,
     /// Window of `||W_r C e||` of the fault.
     pub fault_rms: Rms,
@@ -236,63 +381,158 @@ pub struct Responses {
 impl Responses {
     /// At the observer's start.
     pub const NONE: Self = Self {
-        remainder: [0.0; 3],
-        uncertainties: [[0.0; 3]; UNCERTAINTIES],
+        known: [0.0; 3],
+        along: [[[0.0; 3]; ALONG]; MOTIONS],
+        common: [[0.0; 3]; COMMON],
+        sensed: [[0.0; 3]; SENSED],
         fault: [0.0; 3],
         uncertainty_rms: Rms::EMPTY,
         fault_rms: Rms::EMPTY,
     };
 
+    /// What each cause at its bound does to the residual at this sample, `||W_r r||`, in the order of
+    /// [`Cause::ALL`]; of those along the motions the largest.
+    pub fn levels_by_cause(
+        &self,
+        deviations: &Deviations,
+        observer: &Observer,
+        evaluation: &Evaluation,
+        v_x: f64,
+    ) -> [f64; CAUSES] {
+        let mut levels = [0.0; CAUSES];
+        let along = self.along.iter().flat_map(|motion| motion.iter().enumerate());
+        let common = self.common.iter().enumerate().map(|(k, e)| (ALONG + k, e));
+        for (k, e) in along.chain(common) {
+            if let Some(level) = levels.get_mut(k) {
+                *level = f64::max(*level, size(evaluation, *e));
+            }
+        }
+        let errors = deviations.uncertainty.sensed(v_x);
+        let sensed = levels.iter_mut().skip(ALONG + COMMON);
+        for ((level, e), error) in sensed.zip(&self.sensed).zip(errors) {
+            *level = size(evaluation, seen(observer, *e, error));
+        }
+        levels
+    }
+
     /// What the uncertainties add to J at most, and the J that the smallest fault makes alone, at this
-    /// sample.
+    /// sample, measured at `v_x`.
     ///
     /// `||W_r C e|| <= sum_j ||W_r C e_j||` whatever the uncertainties' signs, and J is a norm.
-    pub(crate) fn levels(&mut self, standing: &Standing, evaluation: &Evaluation) -> [f64; 2] {
-        let seen = |e: &StateVector| evaluation.square(VehicleState::from(*e).measured());
-        let fault = self.fault_rms.push(seen(&self.fault), evaluation.window);
+    pub(crate) fn levels(
+        &mut self,
+        standing: &Standing,
+        deviations: &Deviations,
+        observer: &Observer,
+        evaluation: &Evaluation,
+        v_x: f64,
+    ) -> [f64; 2] {
+        let fault_size = size(evaluation, self.fault);
+        let fault = self.fault_rms.push(fault_size * fault_size, evaluation.window);
         if !standing.any {
             return [0.0, fault];
         }
-        let mut bound = 0.0;
-        for (e, acts) in self.uncertainties.iter().zip(standing.acting) {
-            if acts {
-                bound += libm::sqrt(seen(e));
+        let sum_of = |es: &[StateVector], first: usize| {
+            let mut sum = 0.0;
+            for (e, acts) in es.iter().zip(standing.acting(first)) {
+                if *acts {
+                    sum += size(evaluation, *e);
+                }
+            }
+            sum
+        };
+        let mut largest = 0.0_f64;
+        if standing.along {
+            for motion in self.along.iter().take(standing.motions) {
+                largest = largest.max(sum_of(motion, 0));
+            }
+        }
+        let mut bound = largest + sum_of(&self.common, ALONG);
+        let sensed = self.sensed.iter().zip(deviations.uncertainty.sensed(v_x));
+        for ((e, error), acts) in sensed.zip(standing.acting(ALONG + COMMON)) {
+            if *acts {
+                bound += size(evaluation, seen(observer, *e, error));
             }
         }
         [self.uncertainty_rms.push(bound * bound, evaluation.window), fault]
     }
 
-    /// Goes on to the next sample; `n` is N(h) at this one.
+    /// Goes on to the next sample; `n` is N(h) and `l` L(h) at this one.
     pub(crate) fn advance(
         &mut self,
         standing: &Standing,
         deviations: &Deviations,
         observer: &Observer,
         n: &[[f64; 3]; 3],
+        l: &[[f64; 2]; 3],
         place: &Place,
     ) {
-        self.fault = sum(product(n, &self.fault), standing.m_fault);
-        if !deviations.euler_correction && !standing.any {
-            return;
-        }
-        let Place { x, u, .. } = *place;
+        let Place { x, u, a_x_m_per_s2, .. } = *place;
         let vehicle = &observer.model.vehicle;
-        let sampling_period_s = observer.model.sampling_period_s;
-        let scaled = |by: f64, w: StateVector| w.map(|w| by * w);
+        let t = observer.model.sampling_period_s;
+        let jacobian = vehicle.jacobian(x);
+        // M (I + T_s J / 2): what a slope that acts over the period leaves in the error.
+        let held =
+            if deviations.euler_correction { observer.held(&jacobian) } else { observer.gains.m };
+        let respond = |e: StateVector, slope: StateVector| {
+            sum(product(n, &e), product(&held, &slope.map(|x| t * x)))
+        };
+        self.fault = sum(product(n, &self.fault), product(&held, &deviations.smallest_fault));
+
         let forces = vehicle.axle_forces(x, u.delta_rad);
+        let transfer =
+            if standing.transfers { vehicle.load_transfer(forces, a_x_m_per_s2) } else { [0.0; 3] };
         if deviations.euler_correction {
             // x(t + T_s) = x + T_s x' + T_s^2/2 x'' + ...: Euler's step has all but the last.
-            let half_square = 0.5 * sampling_period_s * sampling_period_s;
             let x_dot = vehicle.derivative_under(x, u.t_eng_n_m, forces);
-            let w = scaled(half_square, vehicle.second_derivative_along(x, x_dot));
-            self.remainder = observer.respond(n, self.remainder, w);
+            let remainder = product(&jacobian, &x_dot).map(|x| 0.5 * t * t * x);
+            self.known = observer.respond(n, self.known, remainder);
+            self.known = sum(self.known, product(&held, &transfer.map(|x| t * x)));
+        } else if standing.transfers {
+            self.known = respond(self.known, transfer);
         }
-        let responses = self.uncertainties.iter_mut().zip(Kind::ALL).zip(standing.acting);
-        for ((response, kind), acts) in responses {
-            if acts {
-                let slope = deviations.uncertainty.slope(kind, vehicle, place, forces);
-                *response = observer.respond(n, *response, scaled(sampling_period_s, slope));
+        if !standing.any {
+            return;
+        }
+        let uncertainty = &deviations.uncertainty;
+        if standing.along {
+            let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
+            for (responses, motion) in motions {
+                let slopes = uncertainty.along(vehicle, motion.at(x.v_x_m_per_s), u);
+                for ((e, slope), acts) in responses.iter_mut().zip(slopes).zip(standing.acting(0)) {
+                    if *acts {
+                        *e = respond(*e, slope);
+                    }
+                }
+            }
+        }
+        let slopes = uncertainty.common(vehicle, place, transfer);
+        for ((e, slope), acts) in self.common.iter_mut().zip(slopes).zip(standing.acting(ALONG)) {
+            if *acts {
+                *e = respond(*e, slope);
+            }
+        }
+        let errors = uncertainty.sensed(x.v_x_m_per_s);
+        let sensed = self.sensed.iter_mut().zip(errors).zip(standing.acting(ALONG + COMMON));
+        for ((e, error), acts) in sensed {
+            if *acts {
+                // K = T_s d[A x + g]/dy: the premise is measured too. method 5.
+                let by_premise: StateVector =
+                    jacobian.map(|[by_v_x, _, by_r]| t * (by_v_x * error[0] + by_r * error[1]));
+                let w = sum(product(l, &error), product(&observer.gains.m, &by_premise));
+                *e = sum(product(n, e), w.map(|x| -x));
             }
         }
     }
+}
+
+/// `||W_r C e||`.
+fn size(evaluation: &Evaluation, e: StateVector) -> f64 {
+    libm::sqrt(evaluation.square(VehicleState::from(e).measured()))
+}
+
+/// The error as the residual shows it that a measurement's `error` makes: `e' + (I + E C)` times it.
+fn seen(observer: &Observer, e: StateVector, [v_x, r]: [f64; 2]) -> StateVector {
+    let [of_v_x, of_v_y, of_r] = product(&observer.gains.e, &[v_x, r]);
+    sum(e, [of_v_x + v_x, of_v_y, of_r + r])
 }

@@ -9,6 +9,9 @@ use crate::algebra::all_finite;
 /// Longest window, samples.
 pub const MAX_WINDOW: usize = 256;
 
+/// An alarm ends where J stays below this share of J_th.
+pub const RELEASE: f64 = 0.8;
+
 /// How the residual is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
@@ -28,6 +31,8 @@ pub struct Evaluation {
     pub start_up_decay: f64,
     /// Consecutive samples with `J >= J_th` that raise the alarm, at least 1.
     pub debounce_samples: u32,
+    /// Time of monitoring with J below [`RELEASE`] of J_th that ends an alarm, s, not negative.
+    pub alarm_hold_s: f64,
 }
 
 impl Evaluation {

@@ -27,6 +27,8 @@ mod deviation;
 mod evaluation;
 mod observer;
 mod range;
+mod reference;
+mod sensors;
 mod signals;
 mod ts_model;
 mod vehicle;
@@ -34,12 +36,17 @@ mod vehicle;
 pub use actuator::{Actuator, ActuatorState, MAX_DELAY_SAMPLES};
 pub use configuration::{Configuration, ConfigurationError};
 pub use detector::{
-    Detector, Initialisation, LARGEST_MAGNITUDE, Monitor, Output, State, StateError,
+    AlarmCause, Detector, Initialisation, LARGEST_ESTIMATE, Monitor, Output, State, StateCause,
+    StateError,
 };
-pub use deviation::{Deviations, Gust, Place, Responses, UNCERTAINTIES, Uncertainty};
-pub use evaluation::{Evaluation, MAX_WINDOW, Rms, StartUp};
+pub use deviation::{
+    CAUSES, Cause, Deviations, GRAVITY_M_PER_S2, Gust, Place, Responses, Uncertainty,
+};
+pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};
+pub use reference::{MOTIONS, ReferenceMotion};
+pub use sensors::{Signal, Staleness, Zero};
 pub use signals::{Input, Measurement, StateVector, VehicleState};
 pub use ts_model::{C, RULES, TsModel};
 pub use vehicle::Vehicle;

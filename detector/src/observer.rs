@@ -64,18 +64,23 @@ impl Observer {
         blend(h, &self.gains.n)
     }
 
-    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x, the membership
-    /// functions `h` there and `n` = N(h).
+    /// `L(h)` (10) for membership functions h, 3 x 2.
+    pub fn l(&self, h: &[f64; RULES]) -> [[f64; 2]; 3] {
+        blend(h, &self.gains.l)
+    }
+
+    /// `z+ = N(h) z + L(h) y + M (g + B u + G phi(x^))` (10), for `y` inside S_x, with `n` = N(h) and `l`
+    /// = L(h) there.
     pub fn advance(
         &self,
-        h: &[f64; RULES],
         n: &[[f64; 3]; 3],
+        l: &[[f64; 2]; 3],
         z: StateVector,
         y: Measurement,
         u: Input,
         v_y_hat_m_per_s: f64,
     ) -> StateVector {
-        let linear = sum(product(n, &z), product(&blend(h, &self.gains.l), &y.vector()));
+        let linear = sum(product(n, &z), product(l, &y.vector()));
         let consequent = self.constants.consequent(&self.model, y, u, v_y_hat_m_per_s);
         sum(linear, product(&self.gains.m, &consequent))
     }
@@ -84,5 +89,20 @@ impl Observer {
     /// model (7), to first order in e.
     pub fn respond(&self, n: &[[f64; 3]; 3], e: StateVector, w: StateVector) -> StateVector {
         sum(product(n, &e), product(&self.gains.m, &w))
+    }
+
+    /// `M (I + T_s J / 2)`, 3 x 3, for the model's Jacobian J: what `T_s` times a slope that acts over a
+    /// sampling period leaves in the error.
+    pub(crate) fn held(&self, jacobian: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        let half = 0.5 * self.model.sampling_period_s;
+        let mut held = self.gains.m;
+        for (row, m) in held.iter_mut().zip(&self.gains.m) {
+            for (m, by) in m.iter().zip(jacobian) {
+                for (held, by) in row.iter_mut().zip(by) {
+                    *held += half * m * by;
+                }
+            }
+        }
+        held
     }
 }

@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{Input, StateVector, VehicleState};
+use crate::{GRAVITY_M_PER_S2, Input, StateVector, VehicleState};
 
 /// Vehicle data, Table 1 of the paper. All values positive and finite; drags may be zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub struct Vehicle {
     pub longitudinal_drag_n_m_s2_per_m2: f64,
     /// C_y, N/(m/s)^2: C_y v_y^2 is a force.
     pub lateral_drag_n_s2_per_m2: f64,
+    /// Height of the centre of gravity above the road, m, not negative; 0 for no transfer of axle load.
+    pub centre_of_gravity_height_m: f64,
 }
 
 impl Vehicle {
@@ -42,6 +44,7 @@ impl Vehicle {
         rear_cornering_stiffness_n_per_rad: 59000.0,
         longitudinal_drag_n_m_s2_per_m2: 0.35,
         lateral_drag_n_s2_per_m2: 0.45,
+        centre_of_gravity_height_m: 0.0,
     };
 
     /// Slip angles `[front, rear]` in rad at state `x`, `v_x > 0`, and a road-wheel angle.
@@ -85,36 +88,56 @@ impl Vehicle {
         self.derivative_under(x, u.t_eng_n_m, self.axle_forces(x, u.delta_rad))
     }
 
-    /// `d^2x/dt^2` of (3) in m/s^3, m/s^3, rad/s^3 with linear tyres under a held input, for `v_x > 0`.
-    pub fn second_derivative(&self, x: VehicleState, u: Input) -> StateVector {
-        self.second_derivative_along(x, self.derivative(x, u))
-    }
-
-    /// The same where `dx/dt` is known.
-    pub(crate) fn second_derivative_along(
-        &self,
-        x: VehicleState,
-        x_dot: StateVector,
-    ) -> StateVector {
+    /// Jacobian of (3) by x with linear tyres, 3 x 3, for `v_x > 0`. The steering angle has no part in it.
+    pub fn jacobian(&self, x: VehicleState) -> [[f64; 3]; 3] {
         let [v_x, v_y, r] = x.vector();
-        let [v_x_dot, v_y_dot, r_dot] = x_dot;
         let (m, i_z) = (self.mass_kg, self.yaw_inertia_kg_m2);
         let (l_f, l_r) = (self.front_axle_distance_m, self.rear_axle_distance_m);
-        // Slip angles (v_y + l_f r) / v_x and (v_y - l_r r) / v_x, by the quotient rule.
-        let slip_dot = |lateral: f64, dot: f64| (dot - lateral / v_x * v_x_dot) / v_x;
-        let front_dot = -2.0
-            * self.front_cornering_stiffness_n_per_rad
-            * slip_dot(v_y + l_f * r, v_y_dot + l_f * r_dot);
-        let rear_dot = -2.0
-            * self.rear_cornering_stiffness_n_per_rad
-            * slip_dot(v_y - l_r * r, v_y_dot - l_r * r_dot);
+        // Axle forces by v_y, and by r and v_x over it.
+        let front = -2.0 * self.front_cornering_stiffness_n_per_rad / v_x;
+        let rear = -2.0 * self.rear_cornering_stiffness_n_per_rad / v_x;
+        let (front_by_v_x, rear_by_v_x) =
+            (-front * (v_y + l_f * r) / v_x, -rear * (v_y - l_r * r) / v_x);
         let (c_x, c_y) = (self.longitudinal_drag_n_m_s2_per_m2, self.lateral_drag_n_s2_per_m2);
         [
-            -2.0 * c_x * v_x * v_x_dot / self.effective_longitudinal_inertia_kg_m
-                + v_y_dot * r
-                + v_y * r_dot,
-            (front_dot + rear_dot - 2.0 * c_y * v_y * v_y_dot) / m - v_x_dot * r - v_x * r_dot,
-            (l_f * front_dot - l_r * rear_dot) / i_z,
+            [-2.0 * c_x * v_x / self.effective_longitudinal_inertia_kg_m, r, v_y],
+            [
+                (front_by_v_x + rear_by_v_x) / m - r,
+                (front + rear - 2.0 * c_y * v_y) / m,
+                (l_f * front - l_r * rear) / m - v_x,
+            ],
+            [
+                (l_f * front_by_v_x - l_r * rear_by_v_x) / i_z,
+                (l_f * front - l_r * rear) / i_z,
+                (l_f * l_f * front + l_r * l_r * rear) / i_z,
+            ],
+        ]
+    }
+
+    /// Loads `[F_zf, F_zr]` in N of the axles on a level road at the longitudinal acceleration `a_x` in
+    /// m/s^2: `M (g l_r - a_x h) / L` and `M (g l_f + a_x h) / L`. A lifted axle carries nothing, and the
+    /// other all.
+    pub fn axle_loads_n(&self, a_x: f64) -> [f64; 2] {
+        let weight = self.mass_kg * GRAVITY_M_PER_S2;
+        let wheelbase = self.front_axle_distance_m + self.rear_axle_distance_m;
+        let shift = self.mass_kg * a_x * self.centre_of_gravity_height_m;
+        let front = (weight * self.rear_axle_distance_m - shift) / wheelbase;
+        let front = front.max(0.0).min(weight);
+        [front, weight - front]
+    }
+
+    /// What the transfer of axle load at the longitudinal acceleration `a_x` in m/s^2 adds to `dx/dt`, in
+    /// m/s^2, m/s^2, rad/s^2, where cornering stiffness is in proportion to load and tyres at the static
+    /// load have the `[front, rear]` axle forces in N. Method 2.
+    pub fn load_transfer(&self, [front, rear]: [f64; 2], a_x: f64) -> StateVector {
+        let share = a_x * self.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
+        let front = -front * share / self.rear_axle_distance_m;
+        let rear = rear * share / self.front_axle_distance_m;
+        [
+            0.0,
+            (front + rear) / self.mass_kg,
+            (self.front_axle_distance_m * front - self.rear_axle_distance_m * rear)
+                / self.yaw_inertia_kg_m2,
         ]
     }
 

@@ -15,7 +15,12 @@ const PERIOD_S: f64 = 0.01;
 /// Steps of the simulation to a sample: dead times are whole numbers of them.
 const STEPS: usize = 500;
 const STEP_S: f64 = PERIOD_S / STEPS as f64;
-const SLOW: Actuator = Actuator { lag_s: 0.05, delay_s: 0.037, rate_limit_rad_per_s: Some(0.4) };
+const SLOW: Actuator = Actuator {
+    lag_s: 0.05,
+    delay_s: 0.037,
+    rate_limit_rad_per_s: Some(0.4),
+    angle_limit_rad: None,
+};
 
 /// The averages over the samples of `commands`.
 fn averages(actuator: &Actuator, period_s: f64, commands: &[f64]) -> Vec<f64> {
@@ -64,7 +69,7 @@ proptest! {
         delay in prop_oneof![Just(0), 1..10 * STEPS],
         rate_limit_rad_per_s in rate_limit(),
     ) {
-        let actuator = Actuator { lag_s, delay_s: delay as f64 * STEP_S, rate_limit_rad_per_s };
+        let actuator = Actuator { lag_s, delay_s: delay as f64 * STEP_S, rate_limit_rad_per_s, angle_limit_rad: None };
         let found = averages(&actuator, PERIOD_S, &commands);
         for (k, (x, expected)) in found.iter().zip(simulated(&actuator, delay, &commands)).enumerate() {
             prop_assert!((x - expected).abs() < 2e-6, "sample {k}: {x}, simulated {expected}");
@@ -79,7 +84,7 @@ proptest! {
         delay_s in 0.0..0.1_f64,
         rate_limit_rad_per_s in rate_limit(),
     ) {
-        let actuator = Actuator { lag_s, delay_s, rate_limit_rad_per_s };
+        let actuator = Actuator { lag_s, delay_s, rate_limit_rad_per_s, angle_limit_rad: None };
         let twice: Vec<f64> = commands.iter().flat_map(|&command| [command, command]).collect();
         let halves = averages(&actuator, 0.5 * PERIOD_S, &twice);
         let whole = averages(&actuator, PERIOD_S, &commands);
@@ -103,7 +108,7 @@ proptest! {
         delay_s in 0.0..=256.0 * PERIOD_S,
         rate_limit_rad_per_s in prop::option::of(prop_oneof![1e-300..1.0_f64, 1.0..1e300_f64]),
     ) {
-        let actuator = Actuator { lag_s, delay_s, rate_limit_rad_per_s };
+        let actuator = Actuator { lag_s, delay_s, rate_limit_rad_per_s, angle_limit_rad: None };
         let (min, max) = commands.iter().fold((f64::MAX, f64::MIN), |(a, b), &u| (a.min(u), b.max(u)));
         let slack = 1e-9 * (1.0 + lag_s / PERIOD_S) * (max - min) + 1e-9 * max.abs();
         for x in averages(&actuator, PERIOD_S, &commands) {

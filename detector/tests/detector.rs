@@ -7,7 +7,8 @@ mod common;
 use common::{configuration, u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
-    Configuration, Detector, Initialisation, Input, Monitor, Output, State, StateError,
+    AlarmCause, Configuration, Detector, Initialisation, Input, Monitor, Output, Signal, State,
+    StateCause, StateError, Zero,
 };
 
 const NAN: f64 = f64::NAN;
@@ -111,7 +112,10 @@ fn a_state_that_none_can_have_had_is_refused() {
         |s: &mut State| s.rms.ring[39] = f64::INFINITY,
         |s: &mut State| s.start_up.samples = 41,
         |s: &mut State| s.start_up.sum = NAN,
-        |s: &mut State| s.responses.uncertainties[6][2] = NAN,
+        |s: &mut State| s.responses.along[2][4][2] = NAN,
+        |s: &mut State| s.responses.common[7][2] = NAN,
+        |s: &mut State| s.motions[1].v_y_m_per_s = NAN,
+        |s: &mut State| s.output.alarm_cause = AlarmCause::Range,
         |s: &mut State| s.responses.fault_rms.newer = NAN,
         |s: &mut State| s.actuator.oldest = 1,
         |s: &mut State| s.slowest_actuator.command = Some(NAN),
@@ -157,7 +161,7 @@ fn arming_has_hysteresis_at_each_end_of_each_measured_range() {
 }
 
 #[test]
-fn leaving_the_range_withholds_the_alarm_and_forgets_the_window() {
+fn leaving_the_range_keeps_the_alarm_and_forgets_the_window() {
     let mut detector = settled(500);
     assert!(detector.sample(y(15.0, 0.1), CRUISE).alarm);
     let out = *detector.sample(y(31.0, 0.1), CRUISE);
@@ -165,7 +169,10 @@ fn leaving_the_range_withholds_the_alarm_and_forgets_the_window() {
         out,
         Output {
             j_th: 1e-3,
+            alarm: true,
+            alarm_cause: AlarmCause::Residual,
             monitor: Monitor::OutOfRange,
+            state_cause: StateCause::Signal(Signal::Speed),
             first_alarm: Some(500),
             ..Output::default()
         }
@@ -182,7 +189,8 @@ fn an_estimate_outside_its_range_disarms_until_it_has_come_back() {
     for k in 0..2000 {
         let output = *detector.sample(y(15.0, 0.0), u(78.75, 0.3));
         if output.monitor == Monitor::OutOfRange {
-            assert!(output.v_y_hat.abs() > 1.5 && !output.alarm);
+            assert!(output.v_y_hat.abs() > 1.5);
+            assert_eq!(output.state_cause, StateCause::LateralSpeed);
             left = Some(k);
             break;
         }
@@ -201,15 +209,16 @@ fn an_estimate_outside_its_range_disarms_until_it_has_come_back() {
 
 #[test]
 fn invalid_input_holds_the_last_results_and_restarts_the_observer() {
-    for bad in [NAN, f64::INFINITY, f64::NEG_INFINITY, 1e9, -1e300] {
-        for place in 0..4 {
+    for bad in [NAN, f64::INFINITY, f64::NEG_INFINITY, 1.000_001e6, -1e300] {
+        for (place, signal) in Signal::ALL.into_iter().enumerate() {
             let mut detector = settled(500);
             let before = *detector.sample(y(15.0, 0.1), CRUISE);
             let mut values = [15.0, 0.1, 78.75, 0.0];
             values[place] = bad;
             let [v_x, r, t_eng, delta] = values;
             let held = *detector.sample(y(v_x, r), u(t_eng, delta));
-            assert_eq!(held, Output { monitor: Monitor::InvalidInput, ..before });
+            let state_cause = StateCause::Signal(signal);
+            assert_eq!(held, Output { monitor: Monitor::InvalidInput, state_cause, ..before });
             let after = *detector.sample(y(15.0, 0.0), CRUISE);
             assert_eq!((after.residual, after.monitor), (y(0.0, 0.0), Monitor::Monitoring));
             assert!(after.j_th > 10e-3, "start-up term restarts");
@@ -219,17 +228,177 @@ fn invalid_input_holds_the_last_results_and_restarts_the_observer() {
 
 #[test]
 fn an_estimate_that_runs_away_is_dropped() {
-    for delta in [-5e7, 4e8] {
+    // A lateral speed that feeds on itself, which the residual does not hold.
+    let mut unstable = configuration();
+    for n in &mut unstable.gains.n {
+        n[1][1] = 1.5;
+    }
+    let mut detector = Detector::new(&unstable).unwrap();
+    let mut dropped = false;
+    for _ in 0..400 {
+        let output = *detector.sample(y(15.0, 0.0), u(78.75, -0.3));
+        assert!(output.v_y_hat.is_finite() && output.j_rms.is_finite(), "{output:?}");
+        dropped |= output.monitor == Monitor::OutOfRange && output.v_y_hat == 0.0;
+    }
+    assert!(dropped);
+    let state = detector.state();
+    assert!(state.z.iter().chain(&state.rms.ring).all(|x| x.is_finite()), "{:?}", state.z);
+}
+
+#[test]
+fn values_at_the_limits_are_valid() {
+    let mut detector = detector();
+    let limit = Signal::limit;
+    let y = y(limit(Signal::Speed), -limit(Signal::YawRate));
+    let u = u(limit(Signal::DriveTorque), -limit(Signal::SteeringAngle));
+    assert_eq!(detector.sample(y, u).monitor, Monitor::OutOfRange);
+}
+
+/// Straight ahead at 15 m/s, a fault for two seconds, and again straight ahead.
+fn alarms(hold_s: f64, during: impl Fn(u32) -> (f64, f64)) -> Vec<Output> {
+    let mut detector = settled(500);
+    detector.set_alarm_hold_s(hold_s).unwrap();
+    (0..800)
+        .map(|k| {
+            let (v_x, r) = if k < 200 { during(k) } else { (15.0, 0.0) };
+            *detector.sample(y(v_x, r), CRUISE)
+        })
+        .collect()
+}
+
+#[test]
+fn an_alarm_stays_until_j_has_been_low_for_its_hold() {
+    for hold_s in [0.0, 0.5, 1.0, 3.0] {
+        let outputs = alarms(hold_s, |_| (15.0, 0.1));
+        let stands = outputs.iter().filter(|x| x.alarm).count();
+        let first_low = outputs.iter().skip(200).position(|x| x.j_rms < 0.8 * x.j_th).unwrap();
+        assert!(outputs[..200].iter().all(|x| x.alarm), "uninterrupted");
+        let over = 200 + first_low + ((hold_s / 0.01) as usize).max(1) - 1;
+        assert_eq!(stands, over, "hold of {hold_s} s");
+        assert!(outputs[stands..].iter().all(|x| !x.alarm));
+    }
+}
+
+#[test]
+fn neither_range_nor_invalid_input_ends_an_alarm() {
+    for lost in [(31.0, 0.0), (15.0, 0.6), (NAN, 0.0), (15.0, 21.0)] {
+        let outputs = alarms(0.5, |k| if k < 10 { (15.0, 0.1) } else { lost });
+        let stands = outputs.iter().filter(|x| x.alarm).count();
+        assert!(outputs[..stands].iter().all(|x| x.alarm));
+        // The hold counts from the return on.
+        assert_eq!(stands, 200 + 50 - 1, "{lost:?}");
+    }
+}
+
+#[test]
+fn a_yaw_rate_that_leaves_the_range_against_the_command_is_an_alarm() {
+    for debounce in [1, 20] {
         let mut detector = settled(500);
-        let mut dropped = false;
-        for _ in 0..200 {
-            let output = *detector.sample(y(15.0, 0.0), u(78.75, delta));
-            assert!(output.v_y_hat.is_finite() && output.j_rms.is_finite(), "{output:?}");
-            dropped |= output.monitor == Monitor::OutOfRange && output.v_y_hat == 0.0;
+        detector.set_debounce_samples(debounce).unwrap();
+        for k in 1..=200 {
+            let output = *detector.sample(y(15.0, 0.7), CRUISE);
+            assert_eq!(output.monitor, Monitor::OutOfRange);
+            assert_eq!(output.state_cause, StateCause::Signal(Signal::YawRate));
+            assert_eq!(output.alarm, k >= debounce, "sample {k}");
+            assert_eq!(output.alarm_cause == AlarmCause::Range, output.alarm);
         }
-        assert!(dropped);
-        let state = detector.state();
-        assert!(state.z.iter().chain(&state.rms.ring).all(|x| x.is_finite()), "{:?}", state.z);
+    }
+}
+
+#[test]
+fn a_yaw_rate_that_leaves_the_range_as_commanded_is_none() {
+    let mut detector = settled(500);
+    // The range alone is asked.
+    detector.set_threshold_factor(100.0).unwrap();
+    let vehicle = steerguard_detector::Vehicle::PAPER;
+    let mut x = steerguard_detector::VehicleState { v_x_m_per_s: 15.0, ..Default::default() };
+    let mut left = false;
+    for k in 0..400 {
+        let u = u(78.75, 0.15 * f64::from(k.min(100)) / 100.0);
+        let output = *detector.sample(x.measured(), u);
+        assert!(!output.alarm, "{output:?}");
+        left |= output.monitor == Monitor::OutOfRange;
+        let slope = vehicle.derivative(x, u);
+        let next = [0, 1, 2].map(|i| x.vector()[i] + 0.01 * slope[i]);
+        x = next.into();
+    }
+    assert!(left);
+}
+
+#[test]
+fn a_detector_that_is_off_gives_no_alarm_and_starts_clean() {
+    let mut detector = settled(500);
+    assert!(detector.sample(y(15.0, 0.1), CRUISE).alarm);
+    detector.set_enabled(false);
+    for _ in 0..100 {
+        let output = *detector.sample(y(15.0, 0.3), CRUISE);
+        let expected = Output {
+            j_th: 1e-3,
+            monitor: Monitor::Disabled,
+            state_cause: StateCause::NotEnabled,
+            first_alarm: Some(500),
+            ..Output::default()
+        };
+        assert_eq!(output, expected);
+    }
+    detector.set_enabled(true);
+    let back = *detector.sample(y(15.0, 0.0), CRUISE);
+    assert!(back.j_rms == 0.0 && back.monitor == Monitor::Monitoring && !back.alarm);
+}
+
+/// The paper's detector with data that are stale after 0.2 s.
+fn with_staleness() -> Detector {
+    let staleness = steerguard_detector::Staleness {
+        after_s: 0.2,
+        v_x_jump_m_per_s: 0.3,
+        r_jump_rad_per_s: 0.2,
+    };
+    Detector::new(&Configuration { staleness, ..configuration() }).unwrap()
+}
+
+#[test]
+fn measurements_that_do_not_change_are_stale_and_the_observer_goes_on() {
+    let mut detector = with_staleness();
+    let monitors: Vec<Monitor> =
+        (0..40).map(|_| detector.sample(y(15.0, 0.0), CRUISE).monitor).collect();
+    assert!(monitors[..21].iter().all(|&x| x == Monitor::Monitoring));
+    assert!(monitors[21..].iter().all(|&x| x == Monitor::StaleInput));
+    assert_eq!(detector.output().state_cause, StateCause::Unchanged);
+    // A small step is the same drive.
+    let before = *detector.output();
+    let output = *detector.sample(y(15.0, 1e-5), CRUISE);
+    assert_eq!(output.monitor, Monitor::Monitoring);
+    assert!(output.j_th <= before.j_th && output.j_rms > 0.0, "no start: {output:?}");
+    // A fault that begins there is seen at once.
+    let mut detector = with_staleness();
+    for _ in 0..500 {
+        detector.sample(y(15.0, 0.0), CRUISE);
+    }
+    assert!(detector.sample(y(15.0, 0.1), CRUISE).alarm);
+}
+
+#[test]
+fn stale_measurements_that_return_with_a_jump_start_the_observer_anew() {
+    let mut detector = with_staleness();
+    for _ in 0..100 {
+        detector.sample(y(15.0, 0.0), CRUISE);
+    }
+    let output = *detector.sample(y(14.0, 0.3), CRUISE);
+    assert!(!output.alarm && output.j_rms == 0.0 && output.j_th > 10e-3, "{output:?}");
+}
+
+#[test]
+fn what_the_sensors_show_at_zero_is_subtracted() {
+    let zero = Zero { steering_offset_rad: 0.01, yaw_rate_bias_rad_per_s: -0.02 };
+    let mut shown = Detector::new(&Configuration { zero, ..configuration() }).unwrap();
+    let mut true_values = detector();
+    for k in 0..200 {
+        let delta = 0.001 * f64::from(k % 7);
+        let r = 0.01 * f64::from(k % 5);
+        // The same sums, in the same order, as the detector makes.
+        let expected =
+            *true_values.sample(y(15.0, (r - 0.02) + 0.02), u(78.75, (delta + 0.01) - 0.01));
+        assert_eq!(*shown.sample(y(15.0, r - 0.02), u(78.75, delta + 0.01)), expected);
     }
 }
 
@@ -282,7 +451,7 @@ proptest! {
             let numbers = [v_x, r, output.v_y_hat, output.j_rms, output.j_th];
             prop_assert!(numbers.iter().all(|x| x.is_finite()), "{output:?}");
             prop_assert!(output.j_th > 0.0);
-            prop_assert!(!output.alarm || output.monitor != Monitor::OutOfRange);
+            prop_assert!(output.alarm == (output.alarm_cause != AlarmCause::None));
         }
     }
 }

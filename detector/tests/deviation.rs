@@ -166,7 +166,7 @@ proptest! {
     /// Against a difference quotient of fourth order. Its truncation is estimated from twice the step;
     /// each of its slopes is rounded some twenty times, and the step is where the two are alike.
     #[test]
-    fn second_derivative_is_the_slope_of_the_derivative(
+    fn the_jacobian_gives_the_slope_of_the_derivative(
         v_x in 5.0..30.0, v_y in -1.5..1.5, r in -0.55..0.55,
         t_eng in -2000.0..2000.0, delta in -0.3..0.3,
     ) {
@@ -182,7 +182,11 @@ proptest! {
         let h = 3e-5;
         let (fine, coarse) = (quotient(h), quotient(2.0 * h));
         let rounding = magnitudes(x, u).map(|sum| 20.0 * f64::EPSILON * sum / h);
-        for (i, value) in NOMINAL.second_derivative(x.into(), u).into_iter().enumerate() {
+        let slope = NOMINAL.derivative(x.into(), u);
+        let second = NOMINAL.jacobian(x.into()).map(|row| {
+            row.iter().zip(slope).map(|(by, slope)| by * slope).sum::<f64>()
+        });
+        for (i, value) in second.into_iter().enumerate() {
             let tolerance = (fine[i] - coarse[i]).abs() + rounding[i];
             prop_assert!((value - fine[i]).abs() <= tolerance, "{i}: {value} {} {tolerance}", fine[i]);
         }

@@ -12,6 +12,7 @@ fn evaluation(window: usize, amplitude: f64, decay: f64) -> Evaluation {
         start_up_amplitude: amplitude,
         start_up_decay: decay,
         debounce_samples: 1,
+        alarm_hold_s: 0.0,
     }
 }
 

@@ -1,7 +1,8 @@
 //! A detector's numbers that need no solver.
 
 use steerguard_detector::{
-    Actuator, Configuration, Deviations, Evaluation, Gains, Input, Measurement, TsModel,
+    Actuator, Configuration, Deviations, Evaluation, Gains, Input, Measurement, Staleness, TsModel,
+    Zero,
 };
 
 /// A measurement in m/s and rad/s.
@@ -41,8 +42,11 @@ pub fn configuration() -> Configuration {
             start_up_amplitude: 0.1,
             start_up_decay: 0.97,
             debounce_samples: 1,
+            alarm_hold_s: 0.0,
         },
         actuator: Actuator::NONE,
         deviations: Deviations::NONE,
+        zero: Zero::default(),
+        staleness: Staleness::NEVER,
     }
 }

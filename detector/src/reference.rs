@@ -1,0 +1,151 @@
+//! Reference motions: where a vehicle that obeys its command would be (method 6).
+//!
+//! The linear single-track model, driven by the measured speed and the commanded angle alone: no fault
+//! of the steering is in it. What is uncertain of the vehicle acts where the vehicle should be, not where
+//! a fault has taken it, and a vehicle that leaves S_x although none of these motions does has been taken
+//! there.
+//!
+//! # Conventions
+//! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft
+//!   as stated; and the reverse. Near its critical speed a vehicle answers by a multiple of what the model
+//!   says.
+//! - A motion that is unstable, or might be, is drawn to the measured yaw rate: by [`DRAWN_FROM`] of the
+//!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
+//! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
+
+use crate::{Uncertainty, Vehicle, VehicleState};
+
+/// Number of reference motions.
+pub const MOTIONS: usize = 3;
+
+/// Share of the critical speed from which on motions are drawn to the measured yaw rate.
+const DRAWN_FROM: f64 = 0.6;
+/// How fast at the critical speed and beyond, 1/s.
+const DRAW_PER_S: f64 = 15.0;
+
+/// A lateral motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReferenceMotion {
+    /// Lateral speed, m/s.
+    pub v_y_m_per_s: f64,
+    /// Yaw rate, rad/s.
+    pub r_rad_per_s: f64,
+}
+
+impl ReferenceMotion {
+    /// The state at a speed.
+    pub const fn at(self, v_x_m_per_s: f64) -> VehicleState {
+        let Self { v_y_m_per_s, r_rad_per_s } = self;
+        VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s }
+    }
+}
+
+/// What of a motion no sample changes: the coefficients of its single-track model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Coefficients {
+    /// Of `dv_y/dt`, by v_y / v_x, r / v_x and delta.
+    lateral: [f64; 3],
+    /// Of `dr/dt`, likewise.
+    yaw: [f64; 3],
+}
+
+impl Coefficients {
+    fn of(vehicle: &Vehicle, front_factor: f64, rear_factor: f64) -> Self {
+        let v = vehicle;
+        let (m, i_z) = (v.mass_kg, v.yaw_inertia_kg_m2);
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let c_f = 2.0 * front_factor * v.front_cornering_stiffness_n_per_rad;
+        let c_r = 2.0 * rear_factor * v.rear_cornering_stiffness_n_per_rad;
+        let moment = c_r * l_r - c_f * l_f;
+        Self {
+            lateral: [-(c_f + c_r) / m, moment / m, c_f / m],
+            yaw: [moment / i_z, -(c_f * l_f * l_f + c_r * l_r * l_r) / i_z, l_f * c_f / i_z],
+        }
+    }
+}
+
+/// The vehicles whose motions are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct References {
+    motions: [Coefficients; MOTIONS],
+    /// The first of them differ.
+    pub(crate) distinct: usize,
+    /// The critical speed of the worst vehicle stated, m/s; none where none oversteers.
+    critical_m_per_s: Option<f64>,
+    period_s: f64,
+}
+
+impl References {
+    pub(crate) fn new(vehicle: &Vehicle, uncertainty: &Uncertainty, period_s: f64) -> Self {
+        let c_f = uncertainty.front_cornering_stiffness;
+        let c_r = uncertainty.rear_cornering_stiffness;
+        let softest = |c: f64| (1.0 - c).max(0.1);
+        let factors = [(1.0, 1.0), (1.0 + c_f, softest(c_r)), (softest(c_f), 1.0 + c_r)];
+        Self {
+            motions: factors.map(|(front, rear)| Coefficients::of(vehicle, front, rear)),
+            distinct: if c_f > 0.0 || c_r > 0.0 { MOTIONS } else { 1 },
+            critical_m_per_s: critical_speed(vehicle, 1.0 + c_f, softest(c_r), uncertainty.mass),
+            period_s,
+        }
+    }
+
+    /// How fast motions are drawn to the measured yaw rate at a speed, 1/s.
+    fn draw_per_s(&self, v_x: f64) -> f64 {
+        self.critical_m_per_s.map_or(0.0, |critical| {
+            let share = (v_x / critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
+            DRAW_PER_S * share.max(0.0).min(1.0)
+        })
+    }
+
+    /// Takes the motions on by a sample, from speed v_x > 0 in m/s, measured yaw rate in rad/s and angle
+    /// at the road wheel in rad.
+    pub(crate) fn advance(
+        &self,
+        motions: &mut [ReferenceMotion; MOTIONS],
+        v_x: f64,
+        r: f64,
+        delta_rad: f64,
+    ) {
+        let half = 0.5 * self.period_s;
+        let draw = self.draw_per_s(v_x);
+        for (motion, coefficients) in motions.iter_mut().zip(&self.motions).take(self.distinct) {
+            let Coefficients { lateral, yaw } = coefficients;
+            // x' = A x + b over half a period, on both sides of (I - A) x+ = (I + A) x + 2 b.
+            let a_11 = half * lateral[0] / v_x;
+            let a_12 = half * (lateral[1] / v_x - v_x);
+            let a_21 = half * yaw[0] / v_x;
+            let a_22 = half * (yaw[1] / v_x - draw);
+            let b_1 = half * lateral[2] * delta_rad;
+            let b_2 = half * (yaw[2] * delta_rad + draw * r);
+            let ReferenceMotion { v_y_m_per_s: v_y, r_rad_per_s: r } = *motion;
+            let right_1 = v_y + a_11 * v_y + a_12 * r + 2.0 * b_1;
+            let right_2 = r + a_21 * v_y + a_22 * r + 2.0 * b_2;
+            let determinant = (1.0 - a_11) * (1.0 - a_22) - a_12 * a_21;
+            *motion = ReferenceMotion {
+                v_y_m_per_s: ((1.0 - a_22) * right_1 + a_12 * right_2) / determinant,
+                r_rad_per_s: (a_21 * right_1 + (1.0 - a_11) * right_2) / determinant,
+            };
+        }
+        if let [first, others @ ..] = motions
+            && self.distinct == 1
+        {
+            others.fill(*first);
+        }
+    }
+}
+
+/// Critical speed in m/s of the linear single-track model of `vehicle` with its stiffnesses times these
+/// factors and `M' = M / (1 - mass)`; none where it does not oversteer. Rajamani (2012), 3.3.
+fn critical_speed(vehicle: &Vehicle, front: f64, rear: f64, mass: f64) -> Option<f64> {
+    let v = vehicle;
+    let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+    let c_f = front * v.front_cornering_stiffness_n_per_rad;
+    let c_r = rear * v.rear_cornering_stiffness_n_per_rad;
+    let oversteer = c_f * l_f - c_r * l_r;
+    let wheelbase = l_f + l_r;
+    let lightness = (1.0 - mass).max(0.1);
+    (oversteer > 0.0).then(|| {
+        let square = 2.0 * c_f * c_r * wheelbase * wheelbase * lightness / (v.mass_kg * oversteer);
+        libm::sqrt(square)
+    })
+}
