@@ -40,7 +40,8 @@ pub use detector::{
     StateError,
 };
 pub use deviation::{
-    CAUSES, Cause, Deviations, GRAVITY_M_PER_S2, Gust, Place, Responses, Uncertainty,
+    CAUSES, Cause, Deviations, GRAVITY_M_PER_S2, Gust, Place, Responses, SteadyResponse,
+    Uncertainty, steady_response,
 };
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use observer::{Gains, Observer};

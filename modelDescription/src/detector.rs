@@ -23,8 +23,33 @@ enumeration! {
     pub enum DetectorState: "DetectorState", "Which condition holds at the last sample" {
         Starting, "No sample yet";
         Monitoring, "Residual, J and alarm are valid";
-        OutOfRange, "Outside the range of the design: the alarm is withheld";
-        InvalidInput, "An input is not finite or implausibly large: the last results are held";
+        OutOfRange, "Outside the range of the design: the residual raises no new alarm";
+        InvalidInput, "An input is not finite or beyond its limits: the last results are held";
+        Disabled, "Switched off by the input enabled: no alarm, and a clean start afterwards";
+        StaleInput, "v_x and r have not changed for stale_after_s: no new alarm";
+    }
+}
+
+enumeration! {
+    /// Items of `state_cause`.
+    pub enum DetectorStateCause: "DetectorStateCause", "Which variable or limit holds the state" {
+        Nothing, "Monitoring, or no sample yet";
+        SpeedX, "v_x is invalid or out of range";
+        YawRate, "r is invalid or out of range";
+        DriveTorque, "u.T_eng is invalid";
+        SteeringAngle, "u.delta is invalid";
+        LateralSpeed, "v_y_hat is out of range";
+        Unchanged, "v_x and r do not change";
+        NotEnabled, "enabled is false";
+    }
+}
+
+enumeration! {
+    /// Items of `alarm_cause`.
+    pub enum DetectorAlarmCause: "DetectorAlarmCause", "Which test raised the alarm that stands" {
+        NoAlarm, "No alarm stands";
+        Residual, "J_rms reached J_th";
+        Range, "The vehicle left the range of the design, and no reference motion does";
     }
 }
 
@@ -48,6 +73,9 @@ variables! {
             Kind::real(&unit::NEWTON_METRE).min(-1e6).max(1e6).nominal(100.0);
         SteeringAngle, "u.delta", "Commanded steering angle at the road wheel, left positive",
             Role::INPUT, Kind::real(&unit::RADIAN).min(-1.6).max(1.6).nominal(0.02);
+        Enabled, "enabled",
+            "False while the controller is not engaged, stability control brakes, or the driver steers against it",
+            Role::DISCRETE_INPUT, Kind::Boolean;
 
         // Outputs.
         ResidualSpeedX, "residual.v_x", "Residual of the longitudinal speed", Role::OUTPUT,
@@ -58,7 +86,7 @@ variables! {
             Kind::real(&unit::ONE).min(0.0).nominal(0.001);
         Threshold, "J_th", "Threshold that J_rms is held against", Role::OUTPUT,
             Kind::real(&unit::ONE).min(0.0).nominal(0.001);
-        Alarm, "alarm", "True while a steering fault is detected", Role::OUTPUT, Kind::Boolean;
+        Alarm, "alarm", "True from a steering fault's detection until alarm_hold_s after J_rms has sunk", Role::OUTPUT, Kind::Boolean;
         State, "state", "Which condition holds: alarms are given while Monitoring", Role::OUTPUT,
             Kind::Enumeration(&DetectorState::TYPE);
 
@@ -76,7 +104,15 @@ variables! {
         FirstAlarmTime, "first_alarm_time",
             "Sample time of the first alarm; -1 while alarm_latched is false", Role::LOCAL,
             Kind::real(&unit::SECOND).nominal(1.0);
+        AlarmCause, "alarm_cause", "Which test raised the alarm that stands", Role::LOCAL,
+            Kind::Enumeration(&DetectorAlarmCause::TYPE);
+        StateCause, "state_cause", "Which variable or limit holds the state", Role::LOCAL,
+            Kind::Enumeration(&DetectorStateCause::TYPE);
         // For importers that read no enumerations.
+        AlarmCauseIndex, "alarm_cause_index", "The value of alarm_cause as an Integer", Role::LOCAL,
+            Kind::index_of(&DetectorAlarmCause::TYPE);
+        StateCauseIndex, "state_cause_index", "The value of state_cause as an Integer", Role::LOCAL,
+            Kind::index_of(&DetectorStateCause::TYPE);
         StateIndex, "state_index", "The value of state as an Integer", Role::LOCAL,
             Kind::index_of(&DetectorState::TYPE);
         InitialisationIndex, "initialisation_index", "The value of initialisation as an Integer",
@@ -88,6 +124,18 @@ variables! {
         DebounceSamples, "debounce_samples",
             "Consecutive samples with J_rms at or above J_th that raise the alarm",
             Role::TUNABLE_PARAMETER, Kind::Integer { min: 1, max: 1_000_000 };
+        AlarmHold, "alarm_hold_s",
+            "Time of monitoring with J_rms below 0.8 J_th that ends an alarm",
+            Role::TUNABLE_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(3600.0).nominal(1.0);
+        SteeringOffset, "steering_offset",
+            "Commanded angle at the road wheel at which the vehicle drives straight ahead: subtracted",
+            Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(-0.2).max(0.2).nominal(0.01);
+        YawRateBias, "yaw_rate_bias", "Yaw rate shown at standstill: subtracted",
+            Role::FIXED_PARAMETER,
+            Kind::real(&unit::RADIAN_PER_SECOND).min(-0.2).max(0.2).nominal(0.01);
+        StaleAfter, "stale_after_s",
+            "v_x and r unchanged for longer are stale; 0 for never",
+            Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(3600.0).nominal(0.1);
         Initialisation, "initialisation", "How the observer starts at the first sample",
             Role::FIXED_PARAMETER, Kind::Enumeration(&Initialisation::TYPE);
         InitialZ1, "z_0[1]", "Observer state z_1 at the first sample, if initialisation is Given",
@@ -146,6 +194,9 @@ variables! {
         ActuatorRateLimit, "design.actuator.rate_limit",
             "Fastest turn of the road wheel by the actuator, 0 for no limit",
             Role::CONSTANT, Kind::real(&unit::RADIAN_PER_SECOND).nominal(1.0);
+        ActuatorAngleLimit, "design.actuator.angle_limit",
+            "Largest angle of the road wheel by the actuator, 0 for no limit",
+            Role::CONSTANT, Kind::real(&unit::RADIAN).nominal(1.0);
 
         // The vehicle it was designed for.
         VehicleMass, "vehicle.M_v", "Vehicle mass", Role::CONSTANT,
@@ -168,5 +219,7 @@ variables! {
             Kind::real(&unit::NEWTON_METRE_SECOND_SQUARED_PER_METRE_SQUARED).nominal(1.0);
         VehicleLateralDrag, "vehicle.C_y", "Lateral drag: force per lateral speed squared",
             Role::CONSTANT, Kind::real(&unit::NEWTON_SECOND_SQUARED_PER_METRE_SQUARED).nominal(1.0);
+        VehicleHeight, "vehicle.h", "Height of the centre of gravity, 0 for no transfer of axle load",
+            Role::CONSTANT, Kind::real(&unit::METRE).nominal(1.0);
     }
 }

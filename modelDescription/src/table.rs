@@ -62,6 +62,8 @@ impl Role {
         Self::new(Causality::Parameter, Variability::Tunable, Some(Initial::Exact));
     /// Continuous-time input.
     pub const INPUT: Self = Self::new(Causality::Input, Variability::Continuous, None);
+    /// Input that changes at sample instants only.
+    pub const DISCRETE_INPUT: Self = Self::new(Causality::Input, Variability::Discrete, None);
     /// Sampled output.
     pub const OUTPUT: Self =
         Self::new(Causality::Output, Variability::Discrete, Some(Initial::Calculated));

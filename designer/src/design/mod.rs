@@ -334,13 +334,14 @@ fn evaluate(
     progress(Step::StartUp);
     let e = &spec.evaluation;
     let without_threshold = Evaluation {
-        window: e.window_samples,
+        window: e.window(spec.sampling.period_s),
         weights: e.weights,
         threshold: 1.0,
         uncertainty_share: 0.0,
         start_up_amplitude: 0.0,
         start_up_decay: 0.0,
         debounce_samples: e.debounce_samples,
+        alarm_hold_s: e.alarm_hold_s,
     };
     let bound = start_up::bound(
         &error_dynamics(theorem, gains),
@@ -362,6 +363,8 @@ fn evaluate(
         },
         deviations: model::deviations(spec),
         actuator: spec.actuator.actuator(),
+        zero: spec.sensors.zero(),
+        staleness: model::staleness(spec),
     };
     let Threshold { threshold, uncertainty_share, calibration, uncertain, guaranteed, peaks } =
         threshold::threshold(spec, theorem, gains, &configuration, progress)?;

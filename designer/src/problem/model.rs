@@ -1,6 +1,6 @@
 //! The matrices of the model.
 
-use steerguard_detector::{Deviations, TsModel};
+use steerguard_detector::{Deviations, Staleness, TsModel};
 
 use crate::lmi::matrix::Matrix;
 use crate::spec::Spec;
@@ -21,6 +21,27 @@ pub fn deviations(spec: &Spec) -> Deviations {
         euler_correction: spec.sampling.euler_correction,
         uncertainty: spec.uncertainty.bounds(),
         smallest_fault: model(spec).b().map(|row| row[column] * spec.fault[0].smallest()),
+    }
+}
+
+/// Longest time in s for which sensors with noise show the same.
+const STALE_AFTER_S: f64 = 0.2;
+/// Faster than any vehicle accelerates along the road, m/s^2, and in yaw, rad/s^2.
+const LARGEST_ACCELERATION_M_PER_S2: f64 = 20.0;
+const LARGEST_YAW_ACCELERATION_RAD_PER_S2: f64 = 20.0;
+/// Standard deviations of the noise of a difference of two readings that are no jump: 6 sqrt 2.
+const NOISE_OF_A_STEP: f64 = 8.5;
+
+/// When the detector takes measurements for stale: never where the sensors have no noise, since a
+/// simulation without noise may stand still.
+pub fn staleness(spec: &Spec) -> Staleness {
+    let period_s = spec.sampling.period_s;
+    let [v_x_std, r_std] = spec.noise.white_std();
+    let noisy = v_x_std > 0.0 || r_std > 0.0;
+    Staleness {
+        after_s: if noisy { STALE_AFTER_S.max(2.0 * period_s) } else { 0.0 },
+        v_x_jump_m_per_s: LARGEST_ACCELERATION_M_PER_S2 * period_s + NOISE_OF_A_STEP * v_x_std,
+        r_jump_rad_per_s: LARGEST_YAW_ACCELERATION_RAD_PER_S2 * period_s + NOISE_OF_A_STEP * r_std,
     }
 }
 

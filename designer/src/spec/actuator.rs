@@ -16,6 +16,8 @@ pub struct ActuatorTable {
     pub delay_s: f64,
     /// Fastest turn of the road wheel; default none.
     pub rate_limit_rad_per_s: Option<f64>,
+    /// Largest angle of the road wheel to either side, its end stops; default none.
+    pub angle_limit_deg: Option<f64>,
 }
 
 impl ActuatorTable {
@@ -28,8 +30,9 @@ impl ActuatorTable {
 
     /// The detector's actuator.
     pub fn actuator(self) -> Actuator {
-        let Self { lag_s, delay_s, rate_limit_rad_per_s } = self;
-        Actuator { lag_s, delay_s, rate_limit_rad_per_s }
+        let Self { lag_s, delay_s, rate_limit_rad_per_s, angle_limit_deg } = self;
+        let angle_limit_rad = angle_limit_deg.map(f64::to_radians);
+        Actuator { lag_s, delay_s, rate_limit_rad_per_s, angle_limit_rad }
     }
 
     /// Finds what is not possible, for a dead time of at most `largest_delay_s`.
@@ -41,6 +44,9 @@ impl ActuatorTable {
             let [slowest, fastest] = Self::RATE_LIMITS_RAD_PER_S;
             let allowed = Allowed::between(slowest, fastest);
             mistakes.number("actuator.rate_limit_rad_per_s", limit, allowed);
+        }
+        if let Some(limit) = self.angle_limit_deg {
+            mistakes.number("actuator.angle_limit_deg", limit, Allowed::between(1.0, 90.0));
         }
     }
 }

@@ -6,12 +6,23 @@ use steerguard_detector::MAX_WINDOW;
 use super::Calibration;
 use crate::document::{Allowed, Mistake, Mistakes};
 
+/// Window of the RMS where none is stated, s.
+const DEFAULT_WINDOW_S: f64 = 0.4;
+
+fn in_samples(window_s: f64, period_s: f64) -> usize {
+    (window_s / period_s).round() as usize
+}
+
 /// `[evaluation]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Evaluation {
-    /// Window of the RMS; default 40.
-    pub window_samples: usize,
+    /// Window of the RMS; default 0.4, or the 256 samples that it may hold at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_s: Option<f64>,
+    /// The same in samples, in place of `window_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_samples: Option<usize>,
     /// Diagonal of W_r for the residuals of v_x (per m/s) and r (per rad/s); default [0.1, 1], the
     /// inverse proportion of their noise.
     pub weights: [f64; 2],
@@ -26,6 +37,8 @@ pub struct Evaluation {
     pub margin: f64,
     /// Consecutive samples above the threshold that raise the alarm; default 1.
     pub debounce_samples: u32,
+    /// Time of monitoring with J well below the threshold that ends an alarm; default 1.
+    pub alarm_hold_s: f64,
     /// The fault-free drives of the calibration.
     pub calibration: Calibration,
 }
@@ -33,12 +46,14 @@ pub struct Evaluation {
 impl Default for Evaluation {
     fn default() -> Self {
         Self {
-            window_samples: 40,
+            window_s: None,
+            window_samples: None,
             weights: [0.1, 1.0],
             threshold: ThresholdKind::Adaptive,
             constant: None,
             margin: 1.1,
             debounce_samples: 1,
+            alarm_hold_s: 1.0,
             calibration: Calibration::default(),
         }
     }
@@ -65,11 +80,7 @@ pub enum ThresholdKind {
 impl Evaluation {
     /// Finds what is not possible by itself.
     pub(super) fn check(&self, mistakes: &mut Mistakes) {
-        let window = self.window_samples;
-        mistakes.unless((1..=MAX_WINDOW).contains(&window), || {
-            let allowed = format!("from 1 to {MAX_WINDOW}");
-            Mistake::value("evaluation.window_samples", window, allowed)
-        });
+        self.check_window(mistakes);
         let weights = self.weights;
         let proper = weights.iter().all(|&w| w >= 0.0 && w.is_finite()) && weights != [0.0, 0.0];
         mistakes.unless(proper, || {
@@ -84,7 +95,47 @@ impl Evaluation {
         mistakes.unless(debounce >= 1, || {
             Mistake::value("evaluation.debounce_samples", debounce, "1 or more")
         });
+        let hold_s = Allowed::between(0.0, 3600.0);
+        mistakes.number("evaluation.alarm_hold_s", self.alarm_hold_s, hold_s);
         self.calibration.check(mistakes);
+    }
+
+    fn check_window(&self, mistakes: &mut Mistakes) {
+        if let Some(window) = self.window_samples {
+            let key = "evaluation.window_samples";
+            mistakes.unless((1..=MAX_WINDOW).contains(&window), || {
+                Mistake::value(key, window, format!("from 1 to {MAX_WINDOW}"))
+            });
+            mistakes.unless(self.window_s.is_none(), || {
+                Mistake::value(key, window, "nothing beside `window_s`")
+                    .help("state one of the two")
+                    .because_of("evaluation.window_s")
+            });
+        }
+        if let Some(window_s) = self.window_s {
+            mistakes.number("evaluation.window_s", window_s, Allowed::POSITIVE);
+        }
+    }
+
+    /// Finds a stated window that the detector cannot hold.
+    pub(super) fn check_window_of(&self, period_s: f64, mistakes: &mut Mistakes) {
+        let Some(window_s) = self.window_s else { return };
+        let most_s = MAX_WINDOW as f64 * period_s;
+        let possible = (1..=MAX_WINDOW).contains(&in_samples(window_s, period_s));
+        let key = "evaluation.window_s";
+        if mistakes.sound(key) {
+            mistakes.unless(possible, || {
+                let allowed = format!("from {period_s} to {most_s}, 1 to {MAX_WINDOW} samples");
+                Mistake::value(key, window_s, allowed).because_of("sampling.period_s")
+            });
+        }
+    }
+
+    /// The window of the RMS in samples of `period_s`.
+    pub fn window(&self, period_s: f64) -> usize {
+        self.window_samples.unwrap_or_else(|| {
+            in_samples(self.window_s.unwrap_or(DEFAULT_WINDOW_S), period_s).clamp(1, MAX_WINDOW)
+        })
     }
 
     fn check_constant(&self, mistakes: &mut Mistakes) {

@@ -22,6 +22,7 @@ mod fault;
 mod noise;
 mod operating_range;
 mod sampling;
+mod sensors;
 mod uncertainty;
 mod vehicle;
 
@@ -35,6 +36,7 @@ pub use fault::Fault;
 pub use noise::{Noise, SpeedNoise, YawRateNoise};
 pub use operating_range::OperatingRangeTable;
 pub use sampling::Sampling;
+pub use sensors::SensorsTable;
 pub(crate) use uncertainty::AIR_KG_PER_M3;
 pub use uncertainty::UncertaintyTable;
 
@@ -49,6 +51,8 @@ pub struct Spec {
     pub operating_range: OperatingRangeTable,
     /// Sampling.
     pub sampling: Sampling,
+    /// What the sensors show of what there is.
+    pub sensors: SensorsTable,
     /// The steering actuator, where `u.delta` is its command.
     pub actuator: ActuatorTable,
     /// Faults of interest: the gains are made for the first, the others are reported.
@@ -69,9 +73,10 @@ impl Default for Spec {
     /// The paper's vehicle and disturbance, sensors with noise, and method "gap".
     fn default() -> Self {
         Self {
-            vehicle: Vehicle::PAPER,
+            vehicle: vehicle::default_vehicle(),
             operating_range: OperatingRangeTable::default(),
             sampling: Sampling::default(),
+            sensors: SensorsTable::default(),
             actuator: ActuatorTable::default(),
             fault: vec![Fault::default()],
             disturbance: vec![Disturbance::default()],
@@ -88,6 +93,7 @@ impl Spec {
     /// they are, everything known.
     pub fn paper() -> Self {
         Self {
+            vehicle: Vehicle::PAPER,
             noise: Noise {
                 v_x: SpeedNoise { white_std_m_per_s: 0.0, ..SpeedNoise::default() },
                 r: YawRateNoise { white_std_rad_per_s: 0.0, ..YawRateNoise::default() },
@@ -130,6 +136,7 @@ impl Spec {
         self.operating_range.check(mistakes);
         self.sampling.check(mistakes);
         self.check_euler_step(mistakes);
+        self.sensors.check(mistakes);
         let period_known = mistakes.sound("sampling.period_s");
 
         let largest_delay_s = period_known.then(|| self.largest_delay_s());
@@ -152,6 +159,9 @@ impl Spec {
 
         self.design.check(mistakes);
         self.evaluation.check(mistakes);
+        if period_known {
+            self.evaluation.check_window_of(self.sampling.period_s, mistakes);
+        }
         if self.evaluation.threshold == ThresholdKind::Guaranteed {
             self.noise.check_bounded(mistakes);
         }

@@ -1,4 +1,4 @@
-//! `[uncertainty]`: what is not known of vehicle, road and air.
+//! `[uncertainty]`: what is not known of vehicle, road, air and sensors.
 //!
 //! # Conventions
 //! Parameters lie within [min, max], percent off the value in `[vehicle]`.
@@ -12,6 +12,9 @@ use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Density of air, kg/m^3.
 pub(crate) const AIR_KG_PER_M3: f64 = 1.2;
+
+/// Friction from which on tyres are taken to have no end.
+const LARGEST_FRICTION: f64 = 10.0;
 
 /// `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +32,20 @@ pub struct UncertaintyTable {
     pub actuator_lag_s: f64,
     /// Longest dead time of the steering actuator beyond `actuator.delay_s`; default 0.
     pub actuator_delay_s: f64,
+    /// Steering ratio: hand wheel over road wheel, or command over road wheel; default [0, 0].
+    pub steering_ratio_percent: [f64; 2],
+    /// Largest offset of the road wheel from where it is commanded to be, to either side, beyond
+    /// `sensors.steering_offset_deg`; default 0.
+    pub steering_offset_deg: f64,
+    /// Largest bias of the yaw-rate sensor, of either sign, beyond `sensors.yaw_rate_bias_deg_per_s`;
+    /// default 0.
+    pub yaw_rate_bias_deg_per_s: f64,
+    /// Largest error of the measured speed, of either sign; default 0.
+    pub v_x_scale_percent: f64,
+    /// Smallest and largest friction between tyre and road, which limits the axle force; default [1, 1].
+    pub friction: [f64; 2],
+    /// Largest error of the known transfer of axle load, of either sign; default 10.
+    pub load_transfer_percent: f64,
     /// Steepest bank of the road, to either side; default 3.
     pub bank_deg: f64,
     /// Fastest gust across the road, from either side; default 10.
@@ -56,6 +73,12 @@ impl UncertaintyTable {
         rear_cornering_stiffness_percent: [-10.0, 10.0],
         actuator_lag_s: 0.0,
         actuator_delay_s: 0.0,
+        steering_ratio_percent: [0.0, 0.0],
+        steering_offset_deg: 0.0,
+        yaw_rate_bias_deg_per_s: 0.0,
+        v_x_scale_percent: 0.0,
+        friction: [1.0, 1.0],
+        load_transfer_percent: 10.0,
         bank_deg: 3.0,
         gust_m_per_s: 10.0,
         gust_acting_ahead_m: 0.25,
@@ -63,8 +86,9 @@ impl UncertaintyTable {
         side_force_per_rad: 2.0,
     };
 
-    /// Everything is known: no bank, no gust.
+    /// Everything is known: no bank, no gust. Tyres end all the same.
     pub const NONE: Self = Self {
+        load_transfer_percent: 0.0,
         mass_percent: [0.0, 0.0],
         yaw_inertia_percent: [0.0, 0.0],
         front_cornering_stiffness_percent: [0.0, 0.0],
@@ -82,6 +106,11 @@ impl UncertaintyTable {
             self.front_cornering_stiffness_percent,
             self.rear_cornering_stiffness_percent,
         ]
+    }
+
+    /// Whether vehicles may have tyres that saturate: friction that no vehicle reaches is none.
+    pub fn tyres_end(&self) -> bool {
+        self.friction[0] < LARGEST_FRICTION
     }
 
     /// Fastest gust and its force.
@@ -112,6 +141,12 @@ impl UncertaintyTable {
             gust: self.gust(),
             actuator_lag_s: self.actuator_lag_s,
             actuator_delay_s: self.actuator_delay_s,
+            steering_ratio: of_inertia(self.steering_ratio_percent),
+            steering_offset_rad: self.steering_offset_deg.to_radians(),
+            yaw_rate_bias_rad_per_s: self.yaw_rate_bias_deg_per_s.to_radians(),
+            v_x_scale: self.v_x_scale_percent / 100.0,
+            friction: self.tyres_end().then_some(self.friction[0]),
+            load_transfer: self.load_transfer_percent / 100.0,
         }
     }
 
@@ -136,6 +171,30 @@ impl UncertaintyTable {
                 Mistake::value(key, interval, "-90 <= min <= 0 <= max <= 900")
                     .help("[min, max] is in percent off the specified value")
             });
+        }
+        let [low, high] = self.steering_ratio_percent;
+        let around_zero = (-50.0..=0.0).contains(&low) && (0.0..=100.0).contains(&high);
+        mistakes.unless(around_zero, || {
+            let allowed = "-50 <= min <= 0 <= max <= 100";
+            Mistake::value("uncertainty.steering_ratio_percent", [low, high], allowed)
+                .help("[min, max] is in percent off the specified ratio")
+        });
+        let [low, high] = self.friction;
+        mistakes.unless(0.05 <= low && low <= high && high <= LARGEST_FRICTION, || {
+            let allowed = format!("0.05 <= min <= max <= {LARGEST_FRICTION}");
+            Mistake::value("uncertainty.friction", [low, high], allowed).help(
+                "the smallest and the largest friction between tyre and road: dry asphalt 1, wet 0.7, \
+                 snow 0.3",
+            )
+        });
+        for (key, value, largest) in [
+            ("steering_offset_deg", self.steering_offset_deg, 10.0),
+            ("yaw_rate_bias_deg_per_s", self.yaw_rate_bias_deg_per_s, 10.0),
+            ("v_x_scale_percent", self.v_x_scale_percent, 50.0),
+            ("load_transfer_percent", self.load_transfer_percent, 100.0),
+        ] {
+            let allowed = Allowed::between(0.0, largest);
+            mistakes.number(&format!("uncertainty.{key}"), value, allowed);
         }
         mistakes.number("uncertainty.bank_deg", self.bank_deg, Allowed::between(0.0, 45.0));
         for (key, value) in [

@@ -7,7 +7,7 @@ use crate::document::{Allowed, Mistakes};
 
 /// The keys of `[vehicle]`: documented at [`Vehicle`].
 #[derive(Serialize, Deserialize)]
-#[serde(remote = "Vehicle", default = "paper_vehicle", deny_unknown_fields)]
+#[serde(remote = "Vehicle", default = "default_vehicle", deny_unknown_fields)]
 #[allow(missing_docs)]
 pub(super) struct VehicleTable {
     mass_kg: f64,
@@ -19,10 +19,12 @@ pub(super) struct VehicleTable {
     rear_cornering_stiffness_n_per_rad: f64,
     longitudinal_drag_n_m_s2_per_m2: f64,
     lateral_drag_n_s2_per_m2: f64,
+    centre_of_gravity_height_m: f64,
 }
 
-fn paper_vehicle() -> Vehicle {
-    Vehicle::PAPER
+/// The vehicle of Table 1, with the height of a passenger car's centre of gravity.
+pub(super) fn default_vehicle() -> Vehicle {
+    Vehicle { centre_of_gravity_height_m: 0.55, ..Vehicle::PAPER }
 }
 
 /// Finds what is not possible by itself.
@@ -44,4 +46,7 @@ pub(super) fn check(vehicle: &Vehicle, mistakes: &mut Mistakes) {
     ] {
         mistakes.number(&format!("vehicle.{key}"), value, Allowed::NOT_NEGATIVE);
     }
+    let height_m = Allowed::between(0.0, 3.0);
+    let key = "vehicle.centre_of_gravity_height_m";
+    mistakes.number(key, vehicle.centre_of_gravity_height_m, height_m);
 }

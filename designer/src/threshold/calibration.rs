@@ -18,7 +18,7 @@ use steerguard_detector::{
 };
 use steerguard_world::{
     CALM_S, Course, Excitation, GUST_S, Gusts, Plan, STEP_S, Sensor, Sensors, State, Steering,
-    Stream, TrueVehicle, Wind, World,
+    Stream, TrueVehicle, Tyres, Wind, World,
 };
 
 use crate::spec::{Manoeuvre, Noise, Spec};
@@ -209,15 +209,16 @@ fn run(
     index: usize,
     population: Population,
 ) -> Outcome {
-    let Surroundings { world, wind } = match population {
+    let surroundings = match population {
         Population::Specified => Surroundings::specified(spec),
         Population::Uncertain => Surroundings::drawn(spec, index),
     };
+    let Surroundings { world, wind, v_x_scale, yaw_rate_bias_rad_per_s } = surroundings;
     let t_s = spec.sampling.period_s;
     let steps = (t_s / STEP_S).ceil().max(1.0);
     let step_s = t_s / steps;
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
-    let sensors = sensors(&spec.noise, t_s, index);
+    let sensors = sensors(&spec.noise, [v_x_scale, yaw_rate_bias_rad_per_s], t_s, index);
     let bounds = spec.noise.bounds().map(|bound| bound.unwrap_or(0.0));
     let course = course(spec, drive);
 
@@ -267,20 +268,30 @@ fn run(
     outcome
 }
 
-/// What a drive takes place in.
+/// What a drive takes place in, and how its sensors err.
 struct Surroundings {
     world: World,
     wind: Wind,
+    /// Relative error of the speed shown.
+    v_x_scale: f64,
+    /// Yaw rate shown at standstill.
+    yaw_rate_bias_rad_per_s: f64,
 }
 
 impl Surroundings {
     fn specified(spec: &Spec) -> Self {
+        let zero = spec.sensors.zero();
         Self {
             world: World::of(
                 TrueVehicle::linear(spec.vehicle),
-                Steering::of(spec.actuator.actuator()),
+                Steering {
+                    offset_rad: zero.steering_offset_rad,
+                    ..Steering::of(spec.actuator.actuator())
+                },
             ),
             wind: Wind { gusts: Gusts::NONE, action: spec.uncertainty.gust() },
+            v_x_scale: 0.0,
+            yaw_rate_bias_rad_per_s: zero.yaw_rate_bias_rad_per_s,
         }
     }
 
@@ -304,33 +315,55 @@ impl Surroundings {
             rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
             ..*v
         };
-        let steering = Steering::of(Actuator {
+        let actuator = Actuator {
             lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
             delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),
             ..actuator
-        });
+        };
+        let bank_rad = between([-bank_deg, bank_deg]).to_radians();
+        let gusts = Gusts {
+            speed_m_per_s: between([-fastest, fastest]),
+            duration_s: between(GUST_S),
+            start_s: between(CALM_S),
+            pause_s: between(CALM_S),
+        };
+        let either = |most: f64| [-most, most];
+        let zero = spec.sensors.zero();
+        let steering = Steering {
+            actuator,
+            ratio: 1.0 / (1.0 + between(uncertainty.steering_ratio_percent) / 100.0),
+            offset_rad: zero.steering_offset_rad
+                + between(either(uncertainty.steering_offset_deg)).to_radians(),
+        };
+        let yaw_rate_bias_rad_per_s = zero.yaw_rate_bias_rad_per_s
+            + between(either(uncertainty.yaw_rate_bias_deg_per_s)).to_radians();
+        let v_x_scale = between(either(uncertainty.v_x_scale_percent)) / 100.0;
+        let transfer = 1.0 + between(either(uncertainty.load_transfer_percent)) / 100.0;
+        let friction = between(uncertainty.friction);
+        let tyres =
+            if uncertainty.tyres_end() { Tyres::Saturating { friction } } else { Tyres::Linear };
+        let data = Vehicle {
+            centre_of_gravity_height_m: transfer * vehicle.centre_of_gravity_height_m,
+            ..vehicle
+        };
         Self {
-            world: World {
-                bank_rad: between([-bank_deg, bank_deg]).to_radians(),
-                ..World::of(TrueVehicle::linear(vehicle), steering)
-            },
-            wind: Wind {
-                gusts: Gusts {
-                    speed_m_per_s: between([-fastest, fastest]),
-                    duration_s: between(GUST_S),
-                    start_s: between(CALM_S),
-                    pause_s: between(CALM_S),
-                },
-                action,
-            },
+            world: World { bank_rad, ..World::of(TrueVehicle { data, tyres }, steering) },
+            wind: Wind { gusts, action },
+            v_x_scale,
+            yaw_rate_bias_rad_per_s,
         }
     }
 }
 
-/// Sensors with the white noise of drive number `drive`.
-fn sensors(noise: &Noise, period_s: f64, drive: usize) -> Sensors {
-    let sensor = |noise_std| Sensor { noise_std, ..Sensor::default() };
-    Sensors { sensors: noise.white_std().map(sensor), period_s, held: false, seed: drive as u64 }
+/// Sensors with the white noise of drive number `drive`, a scale of the speed and a bias of the yaw rate
+/// in rad/s.
+fn sensors(noise: &Noise, [scale, bias]: [f64; 2], period_s: f64, drive: usize) -> Sensors {
+    let [v_x_std, r_std] = noise.white_std();
+    let sensors = [
+        Sensor { noise_std: v_x_std, scale, ..Sensor::default() },
+        Sensor { noise_std: r_std, bias, ..Sensor::default() },
+    ];
+    Sensors { sensors, period_s, held: false, seed: drive as u64 }
 }
 
 fn plus(a: StateVector, b: StateVector) -> StateVector {

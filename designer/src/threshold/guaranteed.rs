@@ -129,7 +129,7 @@ pub fn peak_bounds(
     theorem: &Theorem4,
     gains: &ObserverGains,
 ) -> Result<Vec<(InputBound, PeakCertificate)>, String> {
-    let window = spec.evaluation.window_samples;
+    let window = spec.evaluation.window(spec.sampling.period_s);
     let v_x_noise = spec.noise.bounds()[0].unwrap_or(0.0);
     let memberships = speed_memberships(&model(spec), v_x_noise);
     let inputs = bounded_inputs(spec);

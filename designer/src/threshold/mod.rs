@@ -11,8 +11,8 @@ pub mod guaranteed;
 
 use serde::Serialize;
 use steerguard_detector::{
-    Configuration, ConfigurationError, Deviations, Evaluation, Input, Observer, Place, StateVector,
-    VehicleState,
+    Configuration, ConfigurationError, Evaluation, Input, SteadyResponse, VehicleState,
+    steady_response,
 };
 use steerguard_world::steady_angle;
 
@@ -23,9 +23,24 @@ use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::calibration::{Level, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
 
-/// Names of the uncertainties, in the order of the detector's.
-pub const UNCERTAINTIES: [&str; steerguard_detector::UNCERTAINTIES] =
-    ["mass", "yaw inertia", "front stiffness", "rear stiffness", "bank", "gust", "actuator"];
+/// Names of the causes that raise the threshold, in the order of the detector's.
+pub const CAUSES: [&str; steerguard_detector::CAUSES] = [
+    "mass",
+    "yaw inertia",
+    "front stiffness",
+    "rear stiffness",
+    "friction",
+    "load transfer",
+    "bank",
+    "gust",
+    "actuator",
+    "steering ratio",
+    "steering offset",
+    "front stiffness x side force",
+    "rear stiffness x side force",
+    "yaw-rate bias",
+    "speed scale",
+];
 
 /// Why there is no threshold.
 #[derive(Debug, thiserror::Error)]
@@ -163,8 +178,8 @@ pub struct SteadyThreshold {
     pub lateral_acceleration_m_per_s2: f64,
     /// Noise, disturbances and what else a fault-free drive of the specified vehicle shows.
     pub level: f64,
-    /// Each uncertainty, in the order of [`UNCERTAINTIES`].
-    pub uncertainties: [f64; steerguard_detector::UNCERTAINTIES],
+    /// Each cause, in the order of [`CAUSES`].
+    pub uncertainties: [f64; steerguard_detector::CAUSES],
     /// The sum: J_th.
     pub j_th: f64,
     /// The J that the smallest fault of interest makes alone.
@@ -173,8 +188,8 @@ pub struct SteadyThreshold {
 
 /// Lateral acceleration of the turns in [`by_cause`], m/s^2.
 const TURN_M_PER_S2: f64 = 3.0;
-/// Samples until a response counts as steady: the error decays by 0.97 a sample or faster.
-const STEADY: u32 = 2000;
+/// Time until a response counts as steady, s: of the observer and of the vehicle's own motion.
+const STEADY_S: f64 = 20.0;
 
 /// The threshold of a detector with `configuration` straight ahead and in a turn of 3 m/s^2, or as
 /// much as the range of r allows, at the lowest, middle and highest armed speed.
@@ -187,27 +202,18 @@ pub fn by_cause(configuration: &Configuration) -> Vec<SteadyThreshold> {
 }
 
 fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold {
-    let Configuration { model, gains, evaluation, deviations, .. } = configuration;
-    let observer = Observer::new(*model, *gains);
+    let Configuration { model, evaluation, .. } = configuration;
     let (x, u) = steady_turn(configuration, v_x, a_y);
-    let n = observer.n(&model.membership(x.measured()));
-    let j = |w: StateVector| {
-        let e = (0..STEADY).fold([0.0; 3], |e, _| observer.respond(&n, e, w));
-        evaluation.square(VehicleState::from(e).measured()).sqrt()
-    };
-    let Deviations { uncertainty, smallest_fault, .. } = deviations;
-    // The actuator has come to rest.
-    let place = Place { x, u, slowest_behind_rad: 0.0 };
-    let slopes = uncertainty.slopes(&model.vehicle, &place);
-    let uncertainties = slopes
-        .map(|slope| evaluation.uncertainty_share * j(slope.map(|x| model.sampling_period_s * x)));
+    let samples = (STEADY_S / model.sampling_period_s).ceil() as u32;
+    let SteadyResponse { by_cause, fault } = steady_response(configuration, x, u, samples);
+    let uncertainties = by_cause.map(|level| evaluation.uncertainty_share * level);
     SteadyThreshold {
         v_x_m_per_s: v_x,
         lateral_acceleration_m_per_s2: a_y,
         level: evaluation.threshold,
         uncertainties,
         j_th: evaluation.threshold + uncertainties.iter().sum::<f64>(),
-        smallest_fault_j: j(*smallest_fault),
+        smallest_fault_j: fault,
     }
 }
 

@@ -57,7 +57,8 @@ pub struct Spec {
     pub vehicle: Vehicle,
     pub operating_range: OperatingRange,
     pub sampling: Sampling,
-    pub actuator: Actuator,
+    pub sensors: Sensors,
+    pub actuator: ActuatorOfSpec,
     pub fault: Vec<Fault>,
     pub disturbance: Vec<Disturbance>,
     pub noise: Noise,
@@ -83,6 +84,20 @@ pub struct Sampling {
 }
 
 #[derive(Deserialize)]
+pub struct Sensors {
+    pub steering_offset_deg: f64,
+    pub yaw_rate_bias_deg_per_s: f64,
+}
+
+#[derive(Deserialize)]
+pub struct ActuatorOfSpec {
+    pub lag_s: f64,
+    pub delay_s: f64,
+    pub rate_limit_rad_per_s: Option<f64>,
+    pub angle_limit_deg: Option<f64>,
+}
+
+#[derive(Deserialize)]
 pub struct UncertaintyOfSpec {
     pub mass_percent: [f64; 2],
     pub yaw_inertia_percent: [f64; 2],
@@ -90,6 +105,12 @@ pub struct UncertaintyOfSpec {
     pub rear_cornering_stiffness_percent: [f64; 2],
     pub actuator_lag_s: f64,
     pub actuator_delay_s: f64,
+    pub steering_ratio_percent: [f64; 2],
+    pub steering_offset_deg: f64,
+    pub yaw_rate_bias_deg_per_s: f64,
+    pub v_x_scale_percent: f64,
+    pub friction: [f64; 2],
+    pub load_transfer_percent: f64,
     pub bank_deg: f64,
     pub gust_m_per_s: f64,
     pub gust_acting_ahead_m: f64,
@@ -105,13 +126,16 @@ pub struct Method {
 
 #[derive(Deserialize)]
 pub struct EvaluationOfSpec {
-    pub window_samples: f64,
+    /// One of the two, or neither.
+    pub window_s: Option<f64>,
+    pub window_samples: Option<f64>,
     pub weights: [f64; 2],
     pub threshold: String,
     /// Of kind "constant".
     pub constant: Option<f64>,
     pub margin: f64,
     pub debounce_samples: f64,
+    pub alarm_hold_s: f64,
 }
 
 #[derive(Debug, PartialEq, Deserialize)]
@@ -165,6 +189,7 @@ pub struct Vehicle {
     pub rear_cornering_stiffness_n_per_rad: f64,
     pub longitudinal_drag_n_m_s2_per_m2: f64,
     pub lateral_drag_n_s2_per_m2: f64,
+    pub centre_of_gravity_height_m: f64,
 }
 
 #[derive(Debug, PartialEq, Deserialize)]
@@ -173,6 +198,24 @@ pub struct Actuator {
     pub lag_s: f64,
     pub delay_s: f64,
     pub rate_limit_rad_per_s: Option<f64>,
+    pub angle_limit_rad: Option<f64>,
+}
+
+/// What is subtracted of what the sensors show.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Zero {
+    pub steering_offset_rad: f64,
+    pub yaw_rate_bias_rad_per_s: f64,
+}
+
+/// When measurements are stale.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Staleness {
+    pub after_s: f64,
+    pub v_x_jump_m_per_s: f64,
+    pub r_jump_rad_per_s: f64,
 }
 
 /// Every number that is baked. A key that is not known here is a number that nothing vouches for, so
@@ -186,6 +229,8 @@ pub struct Detector {
     pub evaluation: Evaluation,
     pub deviations: Deviations,
     pub actuator: Actuator,
+    pub zero: Zero,
+    pub staleness: Staleness,
 }
 
 #[derive(Deserialize)]
@@ -238,6 +283,7 @@ pub struct Evaluation {
     pub start_up_amplitude: f64,
     pub start_up_decay: f64,
     pub debounce_samples: f64,
+    pub alarm_hold_s: f64,
 }
 
 #[derive(Deserialize)]
@@ -255,10 +301,16 @@ pub struct Uncertainty {
     pub yaw_inertia: f64,
     pub front_cornering_stiffness: f64,
     pub rear_cornering_stiffness: f64,
+    pub friction: Option<f64>,
+    pub load_transfer: f64,
     pub bank_m_per_s2: f64,
     pub gust: Gust,
     pub actuator_lag_s: f64,
     pub actuator_delay_s: f64,
+    pub steering_ratio: f64,
+    pub steering_offset_rad: f64,
+    pub yaw_rate_bias_rad_per_s: f64,
+    pub v_x_scale: f64,
 }
 
 #[derive(Deserialize)]

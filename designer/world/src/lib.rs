@@ -29,13 +29,14 @@ mod wind;
 pub use course::{Course, Manoeuvre, Plan, steady_angle};
 pub use fault::{Fault, FaultKind};
 pub use random::Stream;
-pub use road::{GRAVITY_M_PER_S2, bank_m_per_s2};
+pub use road::bank_m_per_s2;
 pub use sensor::{Readings, Sensor, Sensors};
 pub use steering::{MAX_DEAD_TIME_STEPS, Steering, SteeringState};
 pub use tyre::Tyres;
 pub use vehicle::TrueVehicle;
 pub use wind::{CALM_S, GUST_S, Gusts, Wind};
 
+pub use steerguard_detector::GRAVITY_M_PER_S2;
 use steerguard_detector::{StateVector, VehicleState};
 
 /// Longest step that the vehicle is integrated by, s.

@@ -14,11 +14,11 @@ pub const MAX_DEAD_TIME_STEPS: usize = 1500;
 /// What turns the road wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steering {
-    /// Lag, dead time and rate limit. The dead time is rounded to whole steps, at most
+    /// Lag, dead time, rate limit and end stops. The dead time is rounded to whole steps, at most
     /// [`MAX_DEAD_TIME_STEPS`].
     pub actuator: Actuator,
-    /// Largest angle to either side, rad, positive; without it there is no limit.
-    pub angle_limit_rad: Option<f64>,
+    /// Angle of the road wheel per commanded angle, positive: 1 where the steering ratio is right.
+    pub ratio: f64,
     /// What the steering's sensor shows at zero, rad: the road wheel stands this far to the right of
     /// where it is commanded to be.
     pub offset_rad: f64,
@@ -28,15 +28,14 @@ impl Steering {
     /// The road wheel stands where it is commanded to be, at once.
     pub const DIRECT: Self = Self::of(Actuator::NONE);
 
-    /// An `actuator` without end stops or offset.
+    /// An `actuator` whose ratio is right, without offset.
     pub const fn of(actuator: Actuator) -> Self {
-        Self { actuator, angle_limit_rad: None, offset_rad: 0.0 }
+        Self { actuator, ratio: 1.0, offset_rad: 0.0 }
     }
 
     /// The angle at which the road wheel settles under a command, rad.
     pub fn settled_rad(&self, command_rad: f64) -> f64 {
-        let target = command_rad - self.offset_rad;
-        self.angle_limit_rad.map_or(target, |limit| target.max(-limit).min(limit))
+        self.actuator.settled_rad(self.ratio * command_rad - self.offset_rad)
     }
 
     /// The angle `duration_s` after it stood at `from`, under a held `target`; rad.
@@ -127,7 +126,7 @@ mod tests {
     }
 
     fn lag(lag_s: f64, limit: Option<f64>) -> Steering {
-        Steering::of(Actuator { lag_s, delay_s: 0.0, rate_limit_rad_per_s: limit })
+        Steering::of(Actuator { lag_s, rate_limit_rad_per_s: limit, ..Actuator::NONE })
     }
 
     #[test]
@@ -171,7 +170,8 @@ mod tests {
 
     #[test]
     fn the_wheel_stays_between_its_end_stops() {
-        let steering = Steering { angle_limit_rad: Some(0.5), ..lag(0.02, Some(2.0)) };
+        let lag = lag(0.02, Some(2.0)).actuator;
+        let steering = Steering::of(Actuator { angle_limit_rad: Some(0.5), ..lag });
         for command in [0.4, 0.5, 0.6, 1e6] {
             for side in [1.0, -1.0] {
                 let found = angle(&steering, side * command, 2000);
@@ -183,6 +183,12 @@ mod tests {
         assert_eq!(state.angle_rad, 0.5);
         state.step(&steering, STEP_S, 0.0);
         assert!((state.angle_rad - (0.5 - 2.0 * STEP_S)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_ratio_turns_the_wheel_by_more_than_commanded() {
+        let steering = Steering { ratio: 1.1, offset_rad: 0.01, ..Steering::DIRECT };
+        assert_eq!(angle(&steering, 0.03, 1), 1.1 * 0.03 - 0.01);
     }
 
     #[test]

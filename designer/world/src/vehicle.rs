@@ -3,7 +3,6 @@
 use steerguard_detector::{StateVector, Vehicle, VehicleState};
 
 use crate::Tyres;
-use crate::road::GRAVITY_M_PER_S2;
 
 /// Below this speed, m/s, slip angles are taken at this speed: 1/v_x has no meaning at standstill.
 const SLIP_SPEED_FLOOR_M_PER_S: f64 = 0.5;
@@ -18,33 +17,18 @@ pub struct TrueVehicle {
     pub data: Vehicle,
     /// Its tyres.
     pub tyres: Tyres,
-    /// Height of the centre of gravity above the road, m, not negative; 0 for no load transfer.
-    pub centre_of_gravity_height_m: f64,
 }
 
 impl TrueVehicle {
-    /// `data` on linear tyres, without load transfer: the vehicle that the detector's model knows.
+    /// `data` on linear tyres: the vehicle that the detector's model knows.
     pub const fn linear(data: Vehicle) -> Self {
-        Self { data, tyres: Tyres::Linear, centre_of_gravity_height_m: 0.0 }
+        Self { data, tyres: Tyres::Linear }
     }
 
     /// What a lateral force in N at the centre of gravity and a yaw moment in N m add to the state's
     /// derivative.
     pub fn push(&self, side_force_n: f64, yaw_moment_n_m: f64) -> StateVector {
         [0.0, side_force_n / self.data.mass_kg, yaw_moment_n_m / self.data.yaw_inertia_kg_m2]
-    }
-
-    /// Loads `[F_zf, F_zr]` in N of the axles on a level road at the longitudinal acceleration `a_x`
-    /// in m/s^2: `M (g l_r - a_x h) / L` and `M (g l_f + a_x h) / L`. A lifted axle carries nothing,
-    /// and the other all.
-    pub fn axle_loads_n(&self, a_x: f64) -> [f64; 2] {
-        let Vehicle { mass_kg, front_axle_distance_m, rear_axle_distance_m, .. } = self.data;
-        let weight = mass_kg * GRAVITY_M_PER_S2;
-        let wheelbase = front_axle_distance_m + rear_axle_distance_m;
-        let shift = mass_kg * a_x * self.centre_of_gravity_height_m;
-        let front = (weight * rear_axle_distance_m - shift) / wheelbase;
-        let front = front.max(0.0).min(weight);
-        [front, weight - front]
     }
 
     /// Axle forces `[F_yf, F_yr]` in N at state `x`, road-wheel angle `delta` and longitudinal
@@ -54,13 +38,13 @@ impl TrueVehicle {
         let v_x_m_per_s = x.v_x_m_per_s.max(SLIP_SPEED_FLOOR_M_PER_S);
         let at_speed = VehicleState { v_x_m_per_s, ..x };
         let [mut front, mut rear] = self.data.axle_forces(at_speed, delta);
-        let transfers = self.centre_of_gravity_height_m > 0.0;
+        let transfers = self.data.centre_of_gravity_height_m > 0.0;
         if !transfers && self.tyres == Tyres::Linear {
             return [front, rear];
         }
-        let [front_load, rear_load] = self.axle_loads_n(a_x);
+        let [front_load, rear_load] = self.data.axle_loads_n(a_x);
         if transfers {
-            let [static_front, static_rear] = self.axle_loads_n(0.0);
+            let [static_front, static_rear] = self.data.axle_loads_n(0.0);
             front *= front_load / static_front;
             rear *= rear_load / static_rear;
         }

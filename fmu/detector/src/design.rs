@@ -2,7 +2,7 @@
 
 use steerguard_detector::{
     Actuator, Configuration, ConfigurationError, Deviations, Evaluation, Gains, Gust, Interval,
-    OperatingRange, RULES, TsModel, Uncertainty, Vehicle,
+    OperatingRange, RULES, Staleness, TsModel, Uncertainty, Vehicle, Zero,
 };
 use steerguard_fmu_core::Archive;
 use steerguard_fmu_core::fields::{read_fields, write_fields};
@@ -10,7 +10,7 @@ use steerguard_fmu_core::fields::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
@@ -59,7 +59,7 @@ impl core::error::Error for DesignError {}
 
 impl BakedDesign {
     /// Length of an encoded design, bytes.
-    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 3;
+    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 5;
 
     /// The design as payload for [`steerguard_fmu_core::seal`].
     ///
@@ -111,8 +111,16 @@ impl BakedDesign {
         archive.bytes(&mut self.hash);
         archive.flag(&mut self.certified);
 
-        let Configuration { model, hysteresis, gains, evaluation, actuator, deviations } =
-            &mut self.configuration;
+        let Configuration {
+            model,
+            hysteresis,
+            gains,
+            evaluation,
+            actuator,
+            deviations,
+            zero,
+            staleness,
+        } = &mut self.configuration;
         let TsModel { vehicle, sampling_period_s, range } = model;
         for number in [&mut self.beta, &mut self.gamma, &mut self.gap] {
             archive.real(number);
@@ -136,6 +144,17 @@ impl BakedDesign {
         evaluation_fields(evaluation, archive);
         actuator_fields(actuator, archive);
         deviation_fields(deviations, archive);
+        let Zero { steering_offset_rad, yaw_rate_bias_rad_per_s } = zero;
+        let Staleness { after_s, v_x_jump_m_per_s, r_jump_rad_per_s } = staleness;
+        for number in [
+            steering_offset_rad,
+            yaw_rate_bias_rad_per_s,
+            after_s,
+            v_x_jump_m_per_s,
+            r_jump_rad_per_s,
+        ] {
+            archive.real(number);
+        }
     }
 
     /// What decoding fills in; no detector runs on it.
@@ -157,6 +176,7 @@ impl BakedDesign {
                     rear_cornering_stiffness_n_per_rad: 0.0,
                     longitudinal_drag_n_m_s2_per_m2: 0.0,
                     lateral_drag_n_s2_per_m2: 0.0,
+                    centre_of_gravity_height_m: 0.0,
                 },
                 sampling_period_s: 0.0,
                 range: OperatingRange {
@@ -180,16 +200,19 @@ impl BakedDesign {
                 start_up_amplitude: 0.0,
                 start_up_decay: 0.0,
                 debounce_samples: 0,
+                alarm_hold_s: 0.0,
             },
             deviations: Deviations::NONE,
             actuator: Actuator::NONE,
+            zero: Zero { steering_offset_rad: 0.0, yaw_rate_bias_rad_per_s: 0.0 },
+            staleness: Staleness::NEVER,
         },
     };
 }
 
 /// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation,
-/// actuator, deviations.
-const NUMBERS: usize = 3 + 9 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 7 + 3 + 13;
+/// actuator, deviations, zeros of the sensors, staleness.
+const NUMBERS: usize = 3 + 10 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 8 + 4 + 19 + 2 + 3;
 
 fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
     let Vehicle {
@@ -202,6 +225,7 @@ fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
         rear_cornering_stiffness_n_per_rad,
         longitudinal_drag_n_m_s2_per_m2,
         lateral_drag_n_s2_per_m2,
+        centre_of_gravity_height_m,
     } = vehicle;
     for number in [
         mass_kg,
@@ -213,6 +237,7 @@ fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
         rear_cornering_stiffness_n_per_rad,
         longitudinal_drag_n_m_s2_per_m2,
         lateral_drag_n_s2_per_m2,
+        centre_of_gravity_height_m,
     ] {
         archive.real(number);
     }
@@ -227,19 +252,23 @@ fn evaluation_fields(evaluation: &mut Evaluation, archive: &mut Archive<'_>) {
         start_up_amplitude,
         start_up_decay,
         debounce_samples,
+        alarm_hold_s,
     } = evaluation;
     archive.size(window);
-    for number in [w_v_x, w_r, threshold, uncertainty_share, start_up_amplitude, start_up_decay] {
+    for number in
+        [w_v_x, w_r, threshold, uncertainty_share, start_up_amplitude, start_up_decay, alarm_hold_s]
+    {
         archive.real(number);
     }
     archive.u32(debounce_samples);
 }
 
 fn actuator_fields(actuator: &mut Actuator, archive: &mut Archive<'_>) {
-    let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = actuator;
+    let Actuator { lag_s, delay_s, rate_limit_rad_per_s, angle_limit_rad } = actuator;
     archive.real(lag_s);
     archive.real(delay_s);
     archive.optional(rate_limit_rad_per_s, Archive::real);
+    archive.optional(angle_limit_rad, Archive::real);
 }
 
 fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
@@ -254,7 +283,14 @@ fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
         gust: Gust { speed_m_per_s, coefficient_n_s2_per_m2, acting_ahead_m },
         actuator_lag_s,
         actuator_delay_s,
+        friction,
+        load_transfer,
+        steering_ratio,
+        steering_offset_rad,
+        yaw_rate_bias_rad_per_s,
+        v_x_scale,
     } = uncertainty;
+    archive.optional(friction, Archive::real);
     for number in [
         mass,
         yaw_inertia,
@@ -266,6 +302,11 @@ fn deviation_fields(deviations: &mut Deviations, archive: &mut Archive<'_>) {
         acting_ahead_m,
         actuator_lag_s,
         actuator_delay_s,
+        load_transfer,
+        steering_ratio,
+        steering_offset_rad,
+        yaw_rate_bias_rad_per_s,
+        v_x_scale,
     ]
     .into_iter()
     .chain(smallest_fault)

@@ -13,4 +13,4 @@ mod state;
 
 pub use design::{BakedDesign, DesignError};
 pub use model::DetectorModel;
-pub use state::state;
+pub use state::{alarm_cause, state, state_cause};

@@ -3,16 +3,16 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    ActuatorState, ConfigurationError, Detector, Initialisation, Input, Measurement, Monitor,
-    Output, Responses, Rms, State, StateVector,
+    ActuatorState, AlarmCause, ConfigurationError, Detector, Initialisation, Input, Measurement,
+    Monitor, Output, ReferenceMotion, Responses, Rms, Signal, State, StateCause, StateVector, Zero,
 };
-use steerguard_fmu_core::{Archive, Log, Model, Status};
+use steerguard_fmu_core::{Archive, Log, Model, Status, Text};
 use steerguard_model_description::detector::{
     DetectorVariable as V, INFO, Initialisation as Item, NO_ALARM_TIME,
 };
 use steerguard_model_description::{ModelInfo, Value};
 
-use crate::{BakedDesign, state};
+use crate::{BakedDesign, alarm_cause, state, state_cause};
 
 /// Value of `initialisation` for a start from the first measurement.
 const FIRST_MEASUREMENT: i32 = Item::FirstMeasurement.value();
@@ -52,35 +52,94 @@ impl DetectorModel {
 
     /// Reports what the sample just run has changed.
     #[cold]
-    fn report(&self, before: Monitor, alarm_before: bool, log: &Log<'_>) -> Status {
+    fn report(&self, before: &Output, log: &Log<'_>) -> Status {
         let output = self.output();
         let time_s = self.time_s(self.detector.state().sample.saturating_sub(1));
-        if output.alarm != alarm_before {
+        if output.alarm != before.alarm {
             log.event(|text| {
                 text.str(if output.alarm { "alarm" } else { "alarm over" });
-                text.str(" at ").real(time_s).str(" s: J_rms = ").rounded(output.j_rms);
-                text.str(", J_th = ").rounded(output.j_th);
+                text.str(" at ").real(time_s).str(" s: ");
+                if output.alarm_cause == AlarmCause::Range {
+                    self.place(output, text);
+                    text.str(", although the command does not lead there");
+                } else {
+                    text.str("J_rms = ").rounded(output.j_rms);
+                    text.str(", J_th = ").rounded(output.j_th);
+                }
             });
         }
-        if output.monitor == before {
+        if output.monitor == before.monitor && output.state_cause == before.state_cause {
             return Status::Ok;
         }
-        if output.monitor == Monitor::InvalidInput {
-            log.warning(|text| {
-                text.str("an input is not finite or implausibly large at ").real(time_s);
-                text.str(" s: the last results are held until inputs are valid again");
-            });
-            return Status::Warning;
+        match output.monitor {
+            Monitor::InvalidInput => {
+                log.warning(|text| self.invalid(output, time_s, text));
+                return Status::Warning;
+            }
+            Monitor::Starting => {}
+            Monitor::Monitoring => log.event(|text| {
+                text.str("monitoring from ").real(time_s).str(" s");
+            }),
+            Monitor::OutOfRange => log.event(|text| {
+                text.str("outside the range of the design from ").real(time_s).str(" s: ");
+                self.place(output, text);
+            }),
+            Monitor::Disabled => log.event(|text| {
+                text.str("switched off by the input enabled from ").real(time_s).str(" s");
+            }),
+            Monitor::StaleInput => log.event(|text| {
+                text.str("v_x and r have not changed for ").rounded(self.detector.stale_after_s());
+                text.str(" s at ").real(time_s).str(
+                    " s: no alarm until they do; for simulations \
+                     without noise set the parameter stale_after_s = 0",
+                );
+            }),
         }
-        log.event(|text| {
-            text.str(if output.monitor == Monitor::Monitoring {
-                "monitoring from "
-            } else {
-                "outside the range of the design, alarms withheld from "
-            });
-            text.real(time_s).str(" s");
-        });
         Status::Ok
+    }
+
+    /// What lies outside the range of the design, its value and the range; or what keeps the detector
+    /// from arming.
+    fn place(&self, output: &Output, text: &mut Text) {
+        let range = &self.design.configuration.model.range;
+        let (name, value, range) = match output.state_cause {
+            StateCause::Signal(Signal::Speed) => ("v_x", self.measurement.v_x_m_per_s, range.v_x),
+            StateCause::LateralSpeed => ("v_y_hat", output.v_y_hat, range.v_y),
+            _ => ("r", self.measurement.r_rad_per_s, range.r),
+        };
+        text.str(name).str(" = ").rounded(value);
+        text.str(if range.contains(value) { " is near an end of [" } else { " is not in [" });
+        text.rounded(range.min).str(", ").rounded(range.max).str("]");
+    }
+
+    /// Which input is invalid, why, and what it might be.
+    fn invalid(&self, output: &Output, time_s: f64, text: &mut Text) {
+        let StateCause::Signal(signal) = output.state_cause else { return };
+        let (name, value, guess) = match signal {
+            Signal::Speed => (
+                "v_x",
+                self.measurement.v_x_m_per_s,
+                " m/s, which no road vehicle reaches: is it in km/h?",
+            ),
+            Signal::YawRate => (
+                "r",
+                self.measurement.r_rad_per_s,
+                " rad/s, which no road vehicle reaches: is it in deg/s?",
+            ),
+            Signal::DriveTorque => ("u.T_eng", self.input.t_eng_n_m, " N m at the wheels"),
+            Signal::SteeringAngle => (
+                "u.delta",
+                self.input.delta_rad,
+                " rad at the road wheel: is it in degrees, or the angle of the hand wheel?",
+            ),
+        };
+        text.str(name).str(" = ").rounded(value).str(" at ").real(time_s).str(" s ");
+        if value.is_finite() {
+            text.str("is beyond its limit, +-").rounded(signal.limit()).str(guess);
+        } else {
+            text.str("is no number");
+        }
+        text.str("; the last results are held until inputs are valid again");
     }
 }
 
@@ -125,6 +184,7 @@ impl Model for DetectorModel {
             V::YawRate => self.measurement.r_rad_per_s,
             V::DriveTorque => self.input.t_eng_n_m,
             V::SteeringAngle => self.input.delta_rad,
+            V::Enabled => return Value::Boolean(self.detector.enabled()),
 
             V::ResidualSpeedX => output.residual.v_x_m_per_s,
             V::ResidualYawRate => output.residual.r_rad_per_s,
@@ -132,6 +192,13 @@ impl Model for DetectorModel {
             V::Threshold => output.j_th,
             V::Alarm => return Value::Boolean(output.alarm),
             V::State | V::StateIndex => return Value::Integer(state(output.monitor).value()),
+
+            V::AlarmCause | V::AlarmCauseIndex => {
+                return Value::Integer(alarm_cause(output.alarm_cause).value());
+            }
+            V::StateCause | V::StateCauseIndex => {
+                return Value::Integer(state_cause(output.state_cause).value());
+            }
 
             V::LateralSpeed => output.v_y_hat,
             V::Ratio => output.j_rms / output.j_th,
@@ -142,6 +209,10 @@ impl Model for DetectorModel {
 
             V::ThresholdFactor => self.detector.threshold_factor(),
             V::DebounceSamples => return Value::Integer(self.detector.debounce_samples() as i32),
+            V::AlarmHold => self.detector.alarm_hold_s(),
+            V::SteeringOffset => self.detector.zero().steering_offset_rad,
+            V::YawRateBias => self.detector.zero().yaw_rate_bias_rad_per_s,
+            V::StaleAfter => self.detector.stale_after_s(),
             V::Initialisation | V::InitialisationIndex => {
                 return Value::Integer(self.initialisation);
             }
@@ -172,6 +243,7 @@ impl Model for DetectorModel {
             V::ActuatorLag => configuration.actuator.lag_s,
             V::ActuatorDelay => configuration.actuator.delay_s,
             V::ActuatorRateLimit => configuration.actuator.rate_limit_rad_per_s.unwrap_or(0.0),
+            V::ActuatorAngleLimit => configuration.actuator.angle_limit_rad.unwrap_or(0.0),
 
             V::VehicleMass => vehicle.mass_kg,
             V::VehicleYawInertia => vehicle.yaw_inertia_kg_m2,
@@ -182,6 +254,7 @@ impl Model for DetectorModel {
             V::VehicleRearStiffness => vehicle.rear_cornering_stiffness_n_per_rad,
             V::VehicleLongitudinalDrag => vehicle.longitudinal_drag_n_m_s2_per_m2,
             V::VehicleLateralDrag => vehicle.lateral_drag_n_s2_per_m2,
+            V::VehicleHeight => vehicle.centre_of_gravity_height_m,
         };
         Value::Real(real)
     }
@@ -193,8 +266,13 @@ impl Model for DetectorModel {
             V::YawRate => value.store_real(&mut self.measurement.r_rad_per_s),
             V::DriveTorque => value.store_real(&mut self.input.t_eng_n_m),
             V::SteeringAngle => value.store_real(&mut self.input.delta_rad),
+            V::Enabled => {
+                let mut enabled = self.detector.enabled();
+                value.store_boolean(&mut enabled);
+                self.detector.set_enabled(enabled);
+            }
 
-            // The limits of both are the detector's: it refuses nothing that the layer lets through.
+            // The limits of these are the detector's: it refuses nothing that the layer lets through.
             V::ThresholdFactor => {
                 let mut factor = self.detector.threshold_factor();
                 value.store_real(&mut factor);
@@ -204,6 +282,26 @@ impl Model for DetectorModel {
                 let mut samples = self.detector.debounce_samples() as i32;
                 value.store_integer(&mut samples);
                 let _ = self.detector.set_debounce_samples(samples.unsigned_abs());
+            }
+            V::AlarmHold => {
+                let mut hold_s = self.detector.alarm_hold_s();
+                value.store_real(&mut hold_s);
+                let _ = self.detector.set_alarm_hold_s(hold_s);
+            }
+            V::SteeringOffset => {
+                let mut zero = self.detector.zero();
+                value.store_real(&mut zero.steering_offset_rad);
+                let _ = self.detector.set_zero(zero);
+            }
+            V::YawRateBias => {
+                let mut zero = self.detector.zero();
+                value.store_real(&mut zero.yaw_rate_bias_rad_per_s);
+                let _ = self.detector.set_zero(zero);
+            }
+            V::StaleAfter => {
+                let mut after_s = self.detector.stale_after_s();
+                value.store_real(&mut after_s);
+                let _ = self.detector.set_stale_after_s(after_s);
             }
             V::Initialisation => value.store_integer(&mut self.initialisation),
             V::InitialZ1 => value.store_real(&mut self.z_0[0]),
@@ -224,6 +322,10 @@ impl Model for DetectorModel {
             | V::AlarmLatched
             | V::FirstAlarmTime
             | V::StateIndex
+            | V::AlarmCause
+            | V::AlarmCauseIndex
+            | V::StateCause
+            | V::StateCauseIndex
             | V::InitialisationIndex
             | V::DesignHash
             | V::DesignSamplePeriod
@@ -245,6 +347,7 @@ impl Model for DetectorModel {
             | V::ActuatorLag
             | V::ActuatorDelay
             | V::ActuatorRateLimit
+            | V::ActuatorAngleLimit
             | V::VehicleMass
             | V::VehicleYawInertia
             | V::VehicleLongitudinalInertia
@@ -253,7 +356,8 @@ impl Model for DetectorModel {
             | V::VehicleFrontStiffness
             | V::VehicleRearStiffness
             | V::VehicleLongitudinalDrag
-            | V::VehicleLateralDrag => {}
+            | V::VehicleLateralDrag
+            | V::VehicleHeight => {}
         }
     }
 
@@ -263,12 +367,15 @@ impl Model for DetectorModel {
     }
 
     fn sample(&mut self, log: &Log<'_>) -> Status {
-        let Output { monitor, alarm, .. } = *self.output();
+        let before = *self.output();
         let after = self.detector.sample(self.measurement, self.input);
-        if after.monitor == monitor && after.alarm == alarm {
+        if after.monitor == before.monitor
+            && after.state_cause == before.state_cause
+            && after.alarm == before.alarm
+        {
             Status::Ok
         } else {
-            self.report(monitor, alarm, log)
+            self.report(&before, log)
         }
     }
 
@@ -284,6 +391,20 @@ impl Model for DetectorModel {
         let mut debounce_samples = self.detector.debounce_samples();
         archive.u32(&mut debounce_samples);
         archive.require(self.detector.set_debounce_samples(debounce_samples).is_ok());
+        let mut alarm_hold_s = self.detector.alarm_hold_s();
+        archive.real(&mut alarm_hold_s);
+        archive.require(self.detector.set_alarm_hold_s(alarm_hold_s).is_ok());
+        let mut zero = self.detector.zero();
+        let Zero { steering_offset_rad, yaw_rate_bias_rad_per_s } = &mut zero;
+        archive.real(steering_offset_rad);
+        archive.real(yaw_rate_bias_rad_per_s);
+        archive.require(self.detector.set_zero(zero).is_ok());
+        let mut stale_after_s = self.detector.stale_after_s();
+        archive.real(&mut stale_after_s);
+        archive.require(self.detector.set_stale_after_s(stale_after_s).is_ok());
+        let mut enabled = self.detector.enabled();
+        archive.flag(&mut enabled);
+        self.detector.set_enabled(enabled);
         archive.choice(&mut self.initialisation, &[FIRST_MEASUREMENT, GIVEN]);
         for number in self.z_0.iter_mut().chain([&mut self.start_time_s]) {
             archive.finite(number);
@@ -314,7 +435,13 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
         responses,
         actuator,
         slowest_actuator,
+        motions,
+        followed,
+        filtered_v_x_m_per_s,
+        last,
+        unchanged,
         exceedances,
+        clear,
         output,
     } = state;
     archive.u64(sample);
@@ -327,8 +454,14 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
     archive.real(&mut start_up.power);
     archive.real(&mut start_up.sum);
     archive.size(&mut start_up.samples);
-    let Responses { remainder, uncertainties, fault, uncertainty_rms, fault_rms } = responses;
-    for number in remainder.iter_mut().chain(uncertainties.as_flattened_mut()).chain(fault) {
+    let Responses { known, along, common, sensed, fault, uncertainty_rms, fault_rms } = responses;
+    let numbers = known
+        .iter_mut()
+        .chain(along.as_flattened_mut().as_flattened_mut())
+        .chain(common.as_flattened_mut())
+        .chain(sensed.as_flattened_mut())
+        .chain(fault);
+    for number in numbers {
         archive.real(number);
     }
     archive_rms(uncertainty_rms, window, archive);
@@ -336,10 +469,29 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
     for (actuator, delay) in [actuator, slowest_actuator].into_iter().zip(delays) {
         archive_actuator(actuator, delay, archive);
     }
-    archive.u32(exceedances);
+    for ReferenceMotion { v_y_m_per_s, r_rad_per_s } in motions {
+        archive.real(v_y_m_per_s);
+        archive.real(r_rad_per_s);
+    }
+    archive.real(filtered_v_x_m_per_s);
+    archive.real(&mut last.v_x_m_per_s);
+    archive.real(&mut last.r_rad_per_s);
+    for count in [followed, unchanged, exceedances, clear] {
+        archive.u32(count);
+    }
 
-    let Output { residual, v_y_hat, j_rms, j_th, detectability, alarm, monitor, first_alarm } =
-        output;
+    let Output {
+        residual,
+        v_y_hat,
+        j_rms,
+        j_th,
+        detectability,
+        alarm,
+        alarm_cause,
+        monitor,
+        state_cause,
+        first_alarm,
+    } = output;
     let Measurement { v_x_m_per_s, r_rad_per_s } = residual;
     for number in [v_x_m_per_s, r_rad_per_s, v_y_hat, j_rms, j_th, detectability] {
         archive.real(number);
@@ -347,7 +499,29 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
     archive.flag(alarm);
     archive.choice(
         monitor,
-        &[Monitor::Starting, Monitor::Monitoring, Monitor::OutOfRange, Monitor::InvalidInput],
+        &[
+            Monitor::Starting,
+            Monitor::Monitoring,
+            Monitor::OutOfRange,
+            Monitor::InvalidInput,
+            Monitor::Disabled,
+            Monitor::StaleInput,
+        ],
+    );
+    archive.choice(alarm_cause, &[AlarmCause::None, AlarmCause::Residual, AlarmCause::Range]);
+    let [speed, yaw_rate, torque, angle] = Signal::ALL.map(StateCause::Signal);
+    archive.choice(
+        state_cause,
+        &[
+            StateCause::None,
+            speed,
+            yaw_rate,
+            torque,
+            angle,
+            StateCause::LateralSpeed,
+            StateCause::Unchanged,
+            StateCause::NotEnabled,
+        ],
     );
     archive.optional(first_alarm, |archive, sample| archive.u64(sample));
 }

@@ -1,7 +1,9 @@
-//! How the detector's condition appears as an item of `state`.
+//! How the detector's conditions and causes appear as items of enumerations.
 
-use steerguard_detector::Monitor;
-use steerguard_model_description::detector::DetectorState;
+use steerguard_detector::{AlarmCause, Monitor, Signal, StateCause};
+use steerguard_model_description::detector::{
+    DetectorAlarmCause, DetectorState, DetectorStateCause,
+};
 
 /// The item of `state` while a condition holds.
 pub const fn state(monitor: Monitor) -> DetectorState {
@@ -10,5 +12,30 @@ pub const fn state(monitor: Monitor) -> DetectorState {
         Monitor::Monitoring => DetectorState::Monitoring,
         Monitor::OutOfRange => DetectorState::OutOfRange,
         Monitor::InvalidInput => DetectorState::InvalidInput,
+        Monitor::Disabled => DetectorState::Disabled,
+        Monitor::StaleInput => DetectorState::StaleInput,
+    }
+}
+
+/// The item of `state_cause` for what keeps the detector from monitoring.
+pub const fn state_cause(cause: StateCause) -> DetectorStateCause {
+    match cause {
+        StateCause::None => DetectorStateCause::Nothing,
+        StateCause::Signal(Signal::Speed) => DetectorStateCause::SpeedX,
+        StateCause::Signal(Signal::YawRate) => DetectorStateCause::YawRate,
+        StateCause::Signal(Signal::DriveTorque) => DetectorStateCause::DriveTorque,
+        StateCause::Signal(Signal::SteeringAngle) => DetectorStateCause::SteeringAngle,
+        StateCause::LateralSpeed => DetectorStateCause::LateralSpeed,
+        StateCause::Unchanged => DetectorStateCause::Unchanged,
+        StateCause::NotEnabled => DetectorStateCause::NotEnabled,
+    }
+}
+
+/// The item of `alarm_cause` for the test that raised the alarm.
+pub const fn alarm_cause(cause: AlarmCause) -> DetectorAlarmCause {
+    match cause {
+        AlarmCause::None => DetectorAlarmCause::NoAlarm,
+        AlarmCause::Residual => DetectorAlarmCause::Residual,
+        AlarmCause::Range => DetectorAlarmCause::Range,
     }
 }
