@@ -23,7 +23,6 @@ use crate::variables::{INFO, PlantVariable};
 struct Settings {
     inputs: Inputs,
     vehicle: Vehicle,
-    centre_of_gravity_height_m: f64,
     friction_limited: bool,
     friction: f64,
     actuator_lag_s: f64,
@@ -76,7 +75,7 @@ impl Settings {
             V::RearStiffness => &mut vehicle.rear_cornering_stiffness_n_per_rad,
             V::LongitudinalDrag => &mut vehicle.longitudinal_drag_n_m_s2_per_m2,
             V::LateralDrag => &mut vehicle.lateral_drag_n_s2_per_m2,
-            V::CentreOfGravityHeight => &mut self.centre_of_gravity_height_m,
+            V::CentreOfGravityHeight => &mut vehicle.centre_of_gravity_height_m,
 
             V::Friction => &mut self.friction,
             V::ActuatorLag => &mut self.actuator_lag_s,
@@ -134,15 +133,15 @@ impl Settings {
                 } else {
                     Tyres::Linear
                 },
-                centre_of_gravity_height_m: self.centre_of_gravity_height_m,
             },
             steering: Steering {
                 actuator: Actuator {
                     lag_s: self.actuator_lag_s,
                     delay_s: self.actuator_delay_s,
                     rate_limit_rad_per_s: limit(self.actuator_rate_limit_rad_per_s),
+                    angle_limit_rad: limit(self.actuator_angle_limit_rad),
                 },
-                angle_limit_rad: limit(self.actuator_angle_limit_rad),
+                ratio: 1.0,
                 offset_rad: self.steering_offset_rad,
             },
             bank_rad: self.bank_rad,
@@ -222,7 +221,6 @@ impl Model for PlantModel {
                 yaw_moment_n_m: 0.0,
             },
             vehicle,
-            centre_of_gravity_height_m: 0.0,
             friction_limited: false,
             friction: 0.9,
             actuator_lag_s: 0.0,

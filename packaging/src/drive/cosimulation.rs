@@ -248,10 +248,12 @@ impl Rig {
         plant_fmu: &Fmu,
         actuator: &Actuator,
     ) -> Result<(), CosimulationError> {
-        let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = *actuator;
+        let Actuator { lag_s, delay_s, rate_limit_rad_per_s, angle_limit_rad } = *actuator;
+        let names =
+            ["actuator.lag", "actuator.delay", "actuator.rate_limit", "actuator.angle_limit"];
         Ok(self.plant.set_real(
-            plant_fmu.reals(["actuator.lag", "actuator.delay", "actuator.rate_limit"])?,
-            [lag_s, delay_s, rate_limit_rad_per_s.unwrap_or(0.0)],
+            plant_fmu.reals(names)?,
+            [lag_s, delay_s, rate_limit_rad_per_s.unwrap_or(0.0), angle_limit_rad.unwrap_or(0.0)],
         )?)
     }
 

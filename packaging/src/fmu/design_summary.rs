@@ -3,7 +3,7 @@
 use serde::Serialize;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::calibration::Level;
-use steerguard_designer::threshold::{SteadyThreshold, UNCERTAINTIES, by_cause};
+use steerguard_designer::threshold::{CAUSES, SteadyThreshold, by_cause};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
@@ -240,20 +240,22 @@ fn surely_largest(level: &Level) -> String {
     )
 }
 
-/// A head, then a row a point: speed, lateral acceleration, each cause, J_th and the J of the smallest
-/// fault, J in thousandths.
+/// A head, then a row a point: speed, lateral acceleration, each cause that raises the threshold at one of
+/// them, J_th and the J of the smallest fault, J in thousandths.
 pub fn cause_rows(points: &[SteadyThreshold]) -> Vec<Vec<String>> {
+    let raises = |k: usize| points.iter().any(|point| point.uncertainties[k] > 0.0);
+    let causes: Vec<usize> = (0..CAUSES.len()).filter(|&k| raises(k)).collect();
     let head = ["v_x m/s", "a_y m/s^2", "level"].into_iter();
-    let head = head.chain(UNCERTAINTIES).chain(["J_th", "smallest fault"]).map(String::from);
+    let head = head.chain(causes.iter().map(|&k| CAUSES[k])).chain(["J_th", "smallest fault"]);
     let rows = points.iter().map(|point| {
         let speed = [point.v_x_m_per_s, point.lateral_acceleration_m_per_s2];
         let levels = std::iter::once(point.level)
-            .chain(point.uncertainties)
+            .chain(causes.iter().map(|&k| point.uncertainties[k]))
             .chain([point.j_th, point.smallest_fault_j]);
         let cells = speed.map(|x| format!("{x:.1}")).into_iter();
         cells.chain(levels.map(|j| format!("{:.2}", 1e3 * j))).collect()
     });
-    std::iter::once(head.collect()).chain(rows).collect()
+    std::iter::once(head.map(String::from).collect()).chain(rows).collect()
 }
 
 /// A status in words.
