@@ -89,11 +89,12 @@ impl Default for Spec {
 }
 
 impl Spec {
-    /// The paper's own case: Theorem 4 with its multipliers, no sensor noise, W_r = I, Euler's steps as
-    /// they are, everything known.
+    /// The paper's own case: its range, Theorem 4 with its multipliers, no sensor noise, W_r = I, Euler's
+    /// steps as they are, everything known.
     pub fn paper() -> Self {
         Self {
             vehicle: Vehicle::PAPER,
+            operating_range: OperatingRangeTable::PAPER,
             noise: Noise {
                 v_x: SpeedNoise { white_std_m_per_s: 0.0, ..SpeedNoise::default() },
                 r: YawRateNoise { white_std_rad_per_s: 0.0, ..YawRateNoise::default() },
@@ -102,9 +103,14 @@ impl Spec {
             uncertainty: UncertaintyTable::NONE,
             design: Method { method: MethodName::Paper, ..Method::default() },
             evaluation: Evaluation {
+                window_s: Some(0.4),
                 weights: [1.0, 1.0],
                 threshold: ThresholdKind::Calibrated,
                 margin: 1.25,
+                calibration: Calibration {
+                    initial_v_y_m_per_s: Some(vec![-1.0, 0.0, 1.0]),
+                    ..Calibration::default()
+                },
                 ..Evaluation::default()
             },
             ..Self::default()
