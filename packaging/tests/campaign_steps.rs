@@ -92,7 +92,8 @@ fn steps_allocate_nothing() {
 /// The plant has the actuator of the drive: one that the detector does not know of shows.
 #[test]
 fn drives_are_driven_through_their_actuator() {
-    let actuator = Actuator { lag_s: 0.1, delay_s: 0.05, rate_limit_rad_per_s: Some(0.2) };
+    let actuator =
+        Actuator { lag_s: 0.1, delay_s: 0.05, rate_limit_rad_per_s: Some(0.2), ..Actuator::NONE };
     let (mut knowing, unaware) = (common::design(), bench());
     knowing.configuration.actuator = actuator;
     let knowing = TestBench {

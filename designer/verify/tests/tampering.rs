@@ -529,10 +529,12 @@ fn what_is_no_design_file_is_unreadable() {
     for other in ["[]", "null", "{}"] {
         refused!(verify(other), Refusal::NoFormat);
     }
-    let format = PAPER.replacen(FORMAT, "steerguard-design/1", 1);
-    let error = verify(&format).unwrap_err();
-    assert!(matches!(error, Refusal::Format { .. }));
-    assert!(error.to_string().contains("steerguard-design/1"), "{error}");
+    for older in ["steerguard-design/1", "steerguard-design/2"] {
+        let format = PAPER.replacen(FORMAT, older, 1);
+        let error = verify(&format).unwrap_err();
+        assert!(matches!(error, Refusal::Format { .. }));
+        assert!(error.to_string().contains(older), "{error}");
+    }
     let without = |section: &'static str, key: &'static str| {
         with_forged_hash(move |design| {
             at(design, section).as_object_mut().unwrap().remove(key);
@@ -629,10 +631,8 @@ fn guaranteed_threshold_stands_for_the_bounds_of_the_specification() {
     }
     // A longer window is proven for less than a shorter one: the other way round is refused.
     let shorter = forged(GUARANTEED, |design| {
-        let window = ["/detector/evaluation/window", "/spec/evaluation/window_samples"];
-        for pointer in window {
-            *at(design, pointer) = json!(10);
-        }
+        *at(design, "/detector/evaluation/window") = json!(10);
+        at(design, "/spec/evaluation")["window_samples"] = json!(10);
     });
     refused!(shorter, Refusal::Claim { .. });
     refused!(

@@ -101,6 +101,8 @@ impl Shown {
                 Monitor::Monitoring => 2,
                 Monitor::OutOfRange => 3,
                 Monitor::InvalidInput => 4,
+                Monitor::Disabled => 5,
+                Monitor::StaleInput => 6,
             },
         }
     }
