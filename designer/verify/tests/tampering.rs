@@ -425,6 +425,78 @@ fn changed_faults_are_refused() {
     }
 }
 
+/// Pointers of all numbers and nulls below `value`.
+fn leaves(value: &Value, pointer: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(keys) => {
+            for (key, value) in keys {
+                leaves(value, &format!("{pointer}/{key}"), found);
+            }
+        }
+        Value::Array(elements) => {
+            for (index, value) in elements.iter().enumerate() {
+                leaves(value, &format!("{pointer}/{index}"), found);
+            }
+        }
+        _ => found.push(pointer.to_owned()),
+    }
+}
+
+/// Whatever is baked, another number in its place is refused.
+#[test]
+fn every_number_of_the_detector_is_vouched_for() {
+    for text in [PAPER, NOISE, GUARANTEED] {
+        let mut pointers = Vec::new();
+        leaves(&parsed(text)["detector"], "/detector", &mut pointers);
+        assert!(pointers.len() > 120, "{}", pointers.len());
+        for pointer in pointers {
+            let result = forged(text, |design| {
+                let value = at(design, &pointer);
+                *value = match &*value {
+                    Value::Null => json!(0.5),
+                    Value::Bool(x) => json!(!x),
+                    // Less of the start-up term, more of the rest.
+                    Value::Number(_) if pointer.contains("/start_up_") => {
+                        json!(0.9 * value.as_f64().unwrap())
+                    }
+                    number => json!(number.as_f64().unwrap() * 1.01 + 0.01),
+                };
+            });
+            assert!(result.is_err(), "{pointer} is not looked at");
+        }
+    }
+}
+
+/// So is another number in the specification, but where it says how something was simulated or searched,
+/// or is for recorded drives alone.
+#[test]
+fn every_number_of_the_specification_is_held_against_the_rest() {
+    let free = [
+        "/spec/sensors/steering_ratio",
+        "/spec/design/",
+        "/spec/evaluation/calibration/",
+    ];
+    let mut pointers = Vec::new();
+    leaves(&parsed(PAPER)["spec"], "/spec", &mut pointers);
+    for pointer in pointers {
+        if free.iter().any(|free| pointer.starts_with(free)) {
+            continue;
+        }
+        let result = forged(PAPER, |design| {
+            let value = at(design, &pointer);
+            *value = match &*value {
+                Value::Null if pointer.ends_with("band_hz") => json!([0.0, 1.0]),
+                Value::Null => json!(0.5),
+                Value::Bool(x) => json!(!x),
+                Value::String(text) => json!(format!("{text} and more")),
+                number => json!(number.as_f64().unwrap() * 1.05 + 0.05),
+            };
+        });
+        println!("{pointer}: {result:?}");
+        assert!(result.is_err(), "{pointer} is not looked at");
+    }
+}
+
 /// Figures that agree with each other, but not with the gains.
 #[test]
 fn frozen_figures_are_those_of_the_gains() {
