@@ -124,7 +124,6 @@ pub fn run(
             fault: scenario.steering_fault_rad(time_s, v),
             side_force,
             yaw_moment: side_force * scenario.side_wind_lever_arm_m,
-            sensor_bias: [0.0; 2],
         }
     };
     let initial_state = [
@@ -164,8 +163,6 @@ pub struct Excitation {
     pub side_force: f64,
     /// Yaw moment, N m.
     pub yaw_moment: f64,
-    /// Added to what the plant measures: [v_x, r] in m/s, rad/s.
-    pub sensor_bias: [f64; 2],
 }
 
 /// An instance of either FMU, connected.
@@ -307,7 +304,7 @@ impl Rig {
     ) -> Result<Sample, CosimulationError> {
         let [v_x, r, lateral_speed] = self.measure()?;
         let excitation = excite([v_x, r]);
-        let [v_x, r] = self.excite_detector([v_x, r], &excitation)?;
+        self.excite_detector([v_x, r], &excitation)?;
         self.excite_plant(&excitation)?;
         self.detector.do_step(time_s, step_s)?;
         self.plant.do_step(time_s, step_s)?;
@@ -316,8 +313,7 @@ impl Rig {
             self.detector.get_real(self.ports.detector_outputs)?;
         let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
         let [state] = self.detector.get_integer([self.ports.state])?;
-        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
-            excitation;
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
         Ok(Sample {
             time: time_s,
             v_x,
@@ -352,23 +348,17 @@ impl Rig {
         self.plant.get_real(self.ports.plant_outputs)
     }
 
-    /// Passes u and what the sensors say of [v_x, r] to the detector, and returns the latter.
     fn excite_detector(
         &mut self,
         [v_x, r]: [f64; 2],
         excitation: &Excitation,
-    ) -> Result<[f64; 2], CallError> {
-        let [v_x_bias, r_bias] = excitation.sensor_bias;
-        let measured = [v_x + v_x_bias, r + r_bias];
-        self.detector.set_real(
-            self.ports.detector_inputs,
-            [measured[0], measured[1], excitation.drive_torque, excitation.steering_angle],
-        )?;
-        Ok(measured)
+    ) -> Result<(), CallError> {
+        let Excitation { drive_torque, steering_angle, .. } = *excitation;
+        self.detector.set_real(self.ports.detector_inputs, [v_x, r, drive_torque, steering_angle])
     }
 
     fn excite_plant(&mut self, excitation: &Excitation) -> Result<(), CallError> {
-        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } =
             *excitation;
         self.plant.set_real(
             self.ports.plant_inputs,
