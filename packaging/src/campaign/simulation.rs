@@ -5,8 +5,8 @@ use steerguard_world::Tyres;
 use super::drive::Drive;
 use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
-use super::wheel::Wheel;
 use crate::drive::cosimulation::{CosimulationError, Excitation, Rig, Sample};
+use crate::drive::wheel::Wheel;
 use crate::importer::{Fmu, Type};
 
 /// What the drives need: both FMUs and the design under test.
@@ -32,7 +32,7 @@ impl TestBench {
         let step_s = self.subject.period_s;
         let steps = libm::round(drive.duration_s / step_s) as u32;
         let (course, wind) = (drive.course(&self.subject), drive.wind(&self.subject));
-        let wheel = Wheel::new(&course, &drive.actuator, step_s, steps);
+        let wheel = Wheel::new(|t| course.steering_rad(t), &drive.actuator, step_s, steps);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
         let excite = |t, v_x| {
@@ -40,7 +40,7 @@ impl TestBench {
             Excitation {
                 drive_torque: course.drive_torque_n_m(t, v_x),
                 steering_angle: course.steering_rad(t),
-                fault: drive.fault.map_or(0.0, |f| f.angle_rad(t, |t| wheel.angle_rad(t))),
+                fault: wheel.fault_rad(drive.fault.as_ref(), t),
                 side_force,
                 yaw_moment,
             }
