@@ -20,8 +20,9 @@ use crate::fmu::runtime::Runtimes;
 use crate::importer::Fmu;
 use crate::output;
 
+/// What simulated drives showed, and where they are recorded.
 #[derive(Serialize)]
-struct Outcome {
+struct Simulated {
     detections: Vec<Detection>,
     files: Files,
 }
@@ -63,7 +64,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
     let text =
         format!("Detection\n{}\n{}", detection_table(simulation.detections()), listed(&files));
     let detections = simulation.detections().cloned().collect();
-    print(json, &Outcome { detections, files }, &text)?;
+    print(json, &Simulated { detections, files }, &text)?;
     Ok(Exit::Done)
 }
 
