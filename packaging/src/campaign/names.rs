@@ -21,6 +21,8 @@ named! {
         Roundabout = "roundabout",
         /// [`Manoeuvre::StopAndGo`].
         StopAndGo = "stop and go",
+        /// [`Manoeuvre::BrakingInTurn`].
+        BrakingInTurn = "braking in a turn",
         /// [`Manoeuvre::Sine`].
         Sine = "sine",
         /// [`Manoeuvre::LaneChange`].
@@ -41,6 +43,7 @@ impl ManoeuvreName {
             Manoeuvre::SineWithDwell => Self::SineWithDwell,
             Manoeuvre::Roundabout { .. } => Self::Roundabout,
             Manoeuvre::StopAndGo { .. } => Self::StopAndGo,
+            Manoeuvre::BrakingInTurn { .. } => Self::BrakingInTurn,
         }
     }
 }

@@ -81,6 +81,8 @@ pub struct Sample {
     pub excited: bool,
     /// Item of the enumeration `DetectorState`.
     pub state: i32,
+    /// Item of the enumeration `DetectorStateCause`.
+    pub state_cause: i32,
 }
 
 fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
@@ -204,7 +206,7 @@ struct Ports {
     detector_inputs: [u32; 4],
     detector_outputs: [u32; 5],
     alarm_and_excited: [u32; 2],
-    state: u32,
+    state_and_cause: [u32; 2],
 }
 
 impl Ports {
@@ -230,7 +232,10 @@ impl Ports {
                 detector.variable("alarm", Type::Boolean)?,
                 detector.variable("excited", Type::Boolean)?,
             ],
-            state: detector.variable("state", Type::Enumeration)?,
+            state_and_cause: [
+                detector.variable("state", Type::Enumeration)?,
+                detector.variable("state_cause", Type::Enumeration)?,
+            ],
         })
     }
 }
@@ -396,7 +401,7 @@ impl Rig {
         let [residual_v_x, residual_r, j_rms, j_th, v_y_hat] =
             self.detector.get_real(self.ports.detector_outputs)?;
         let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
-        let [state] = self.detector.get_integer([self.ports.state])?;
+        let [state, state_cause] = self.detector.get_integer(self.ports.state_and_cause)?;
         let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
         Ok(Sample {
             time: time_s,
@@ -416,6 +421,7 @@ impl Rig {
             alarm: alarm != 0,
             excited: excited != 0,
             state,
+            state_cause,
         })
     }
 

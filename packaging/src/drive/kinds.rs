@@ -40,10 +40,10 @@ pub struct ManoeuvreTable {
     /// Radius of a roundabout, positive; default 20.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius_m: Option<f64>,
-    /// Speed that stop and go brakes to, from 0 to the lowest initial speed; default 2.
+    /// Speed that stop and go, or the vehicle in a turn, brakes to, from 0 to the lowest initial speed; default 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lowest_speed_m_per_s: Option<f64>,
-    /// Braking and acceleration of stop and go, positive; default 1.5.
+    /// Braking and acceleration of stop and go, or in a turn, positive; default 1.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub longitudinal_acceleration_m_per_s2: Option<f64>,
 }
@@ -75,6 +75,12 @@ impl ManoeuvreTable {
                 Manoeuvre::Roundabout { radius_m: self.radius_m.unwrap_or(20.0) }
             }
             ManoeuvreName::StopAndGo => Manoeuvre::StopAndGo {
+                lowest_speed_m_per_s: self.lowest_speed_m_per_s.unwrap_or(2.0),
+                longitudinal_acceleration_m_per_s2: self
+                    .longitudinal_acceleration_m_per_s2
+                    .unwrap_or(1.5),
+            },
+            ManoeuvreName::BrakingInTurn => Manoeuvre::BrakingInTurn {
                 lowest_speed_m_per_s: self.lowest_speed_m_per_s.unwrap_or(2.0),
                 longitudinal_acceleration_m_per_s2: self
                     .longitudinal_acceleration_m_per_s2
@@ -115,7 +121,7 @@ impl ManoeuvreTable {
         let table = Table { name: "manoeuvre", kind: self.kind.name() };
         let roundabout = [ManoeuvreName::Roundabout.name()];
         table.check("radius_m", self.radius_m, Allowed::POSITIVE, &roundabout, mistakes);
-        let stop_and_go = [ManoeuvreName::StopAndGo.name()];
+        let braking = [ManoeuvreName::StopAndGo.name(), ManoeuvreName::BrakingInTurn.name()];
         for (key, value, allowed) in [
             ("lowest_speed_m_per_s", self.lowest_speed_m_per_s, Allowed::NOT_NEGATIVE),
             (
@@ -124,9 +130,11 @@ impl ManoeuvreTable {
                 Allowed::POSITIVE,
             ),
         ] {
-            table.check(key, value, allowed, &stop_and_go, mistakes);
+            table.check(key, value, allowed, &braking, mistakes);
         }
-        if let Manoeuvre::StopAndGo { lowest_speed_m_per_s: lowest, .. } = self.manoeuvre() {
+        if let Manoeuvre::StopAndGo { lowest_speed_m_per_s: lowest, .. }
+        | Manoeuvre::BrakingInTurn { lowest_speed_m_per_s: lowest, .. } = self.manoeuvre()
+        {
             let slowest = initial_speeds_m_per_s.iter().copied().fold(f64::INFINITY, f64::min);
             mistakes.unless(lowest <= slowest || !mistakes.sound("initial_speeds_m_per_s"), || {
                 let allowed = format!("at most the lowest initial speed, {slowest}");
