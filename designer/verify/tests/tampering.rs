@@ -471,11 +471,7 @@ fn every_number_of_the_detector_is_vouched_for() {
 /// or is for recorded drives alone.
 #[test]
 fn every_number_of_the_specification_is_held_against_the_rest() {
-    let free = [
-        "/spec/sensors/steering_ratio",
-        "/spec/design/",
-        "/spec/evaluation/calibration/",
-    ];
+    let free = ["/spec/sensors/steering_ratio", "/spec/design/", "/spec/evaluation/calibration/"];
     let mut pointers = Vec::new();
     leaves(&parsed(PAPER)["spec"], "/spec", &mut pointers);
     for pointer in pointers {
