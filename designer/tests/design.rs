@@ -21,7 +21,7 @@ use steerguard_designer::threshold::by_cause;
 use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, FORMAT, Obstacle, Spec, Step, design,
 };
-use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor};
+use steerguard_detector::{Cause, Detector, Initialisation, Input, Measurement, Monitor};
 use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::Refusal;
 use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World, steady_angle};
@@ -272,7 +272,7 @@ fn the_threshold_by_cause_is_that_of_steady_driving() {
         near(output.j_th, point.j_th, 1e-3);
         near(output.detectability * output.j_th, point.smallest_fault_j, 1e-6);
         near(point.level + point.uncertainties.iter().sum::<f64>(), point.j_th, 1e-12);
-        assert_eq!(point.uncertainties[6], 0.0, "the actuator has come to rest");
+        assert_eq!(point.uncertainties[Cause::Actuator as usize], 0.0, "it has come to rest");
     }
 }
 
