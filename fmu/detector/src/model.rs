@@ -108,7 +108,13 @@ impl DetectorModel {
         let now = self.detector.state().last;
         let signals = [
             ("v_x", now.v_x_m_per_s - last.v_x_m_per_s, staleness.v_x_jump_m_per_s, " m/s", "km/h"),
-            ("r", now.r_rad_per_s - last.r_rad_per_s, staleness.r_jump_rad_per_s, " rad/s", "deg/s"),
+            (
+                "r",
+                now.r_rad_per_s - last.r_rad_per_s,
+                staleness.r_jump_rad_per_s,
+                " rad/s",
+                "deg/s",
+            ),
         ];
         let jumps = |change: f64, most: f64| most > 0.0 && (change > most || change < -most);
         for (name, change, most, unit, other_unit) in signals {
