@@ -171,7 +171,7 @@ impl DetectorModel {
         if value.is_finite() {
             text.str("is beyond its limit, +-").rounded(signal.limit()).str(guess);
         } else {
-            text.str("is no number");
+            text.str("is not finite");
         }
         text.str("; the last results are held until inputs are valid again");
     }
