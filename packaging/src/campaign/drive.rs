@@ -418,11 +418,7 @@ mod tests {
             lag_s: 0.1,
             delay_s: 0.2,
             rate_limit_rad_per_s: Some(0.5),
-<<<<<<< HEAD
-            ..Actuator::NONE
-=======
             angle_limit_rad: Some(0.6),
->>>>>>> core
         };
         let subject = Subject { actuator, ..PAPER };
         let nominal = Settings { uncertainty: Uncertainty::NOMINAL, ..SETTINGS };
@@ -431,12 +427,8 @@ mod tests {
             assert!((0.1..=0.12).contains(&slower.lag_s));
             assert!((0.2..=0.23).contains(&slower.delay_s));
             assert_eq!(slower.rate_limit_rad_per_s, Some(0.5));
-<<<<<<< HEAD
-            assert_eq!(Drive::draw(&nominal, &subject, index).steering.actuator, actuator);
-=======
             assert_eq!(slower.angle_limit_rad, Some(0.6));
             assert_eq!(Drive::draw(&nominal, &subject, index).actuator, actuator);
->>>>>>> core
         }
     }
 
