@@ -93,7 +93,7 @@ impl References {
     fn draw_per_s(&self, v_x: f64) -> f64 {
         self.critical_m_per_s.map_or(0.0, |critical| {
             let share = (v_x / critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
-            DRAW_PER_S * share.max(0.0).min(1.0)
+            DRAW_PER_S * share.clamp(0.0, 1.0)
         })
     }
 
