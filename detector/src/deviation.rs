@@ -13,11 +13,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::{product, sum};
-use crate::reference::{MOTIONS, ReferenceMotion};
+use crate::reference::{MOTIONS, ReferenceMotion, References};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
-
-/// Standard gravity, m/s^2.
-pub const GRAVITY_M_PER_S2: f64 = 9.80665;
 
 /// What is not known of vehicle, road, air and sensors: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,6 +176,12 @@ impl Uncertainty {
         yaw_rate_bias_rad_per_s: 0.0,
         v_x_scale: 0.0,
     };
+
+    /// The reference motions of `vehicle`.
+    pub(crate) fn references(&self, vehicle: &Vehicle, period_s: f64) -> References {
+        let stiffnesses = [self.front_cornering_stiffness, self.rear_cornering_stiffness];
+        References::new(vehicle, stiffnesses, self.mass, period_s)
+    }
 
     /// The slowest that an `actuator` may be.
     pub fn slowest(&self, actuator: &Actuator) -> Actuator {

@@ -1,7 +1,6 @@
 //! What the responses to deviations come to where the vehicle goes on as it is.
 
 use crate::deviation::{Standing, size};
-use crate::reference::References;
 use crate::{
     CAUSES, Configuration, Evaluation, Input, MOTIONS, Observer, Place, ReferenceMotion, Responses,
     VehicleState,
@@ -28,7 +27,7 @@ pub fn steady_response(
     let Configuration { model, gains, evaluation, deviations, .. } = configuration;
     let observer = Observer::new(*model, *gains);
     let uncertainty = &deviations.uncertainty;
-    let references = References::new(&model.vehicle, uncertainty, model.sampling_period_s);
+    let references = uncertainty.references(&model.vehicle, model.sampling_period_s);
     let raising = Evaluation { uncertainty_share: 1.0, ..*evaluation };
     let standing = Standing::new(deviations, &observer, &raising, references.distinct);
     let h = observer.membership(x.measured());
