@@ -28,11 +28,11 @@ impl Default for OperatingRangeTable {
     fn default() -> Self {
         Self {
             v_x_m_per_s: [5.0, 30.0],
-            v_y_m_per_s: [-1.5, 1.5],
-            r_rad_per_s: [-0.55, 0.55],
+            v_y_m_per_s: [-4.0, 4.0],
+            r_rad_per_s: [-1.2, 1.2],
             v_x_hysteresis_m_per_s: 0.5,
-            v_y_hysteresis_m_per_s: 0.25,
-            r_hysteresis_rad_per_s: 0.05,
+            v_y_hysteresis_m_per_s: 0.5,
+            r_hysteresis_rad_per_s: 0.1,
         }
     }
 }
