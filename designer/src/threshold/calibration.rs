@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Evaluation, Monitor, Output, StateVector,
-    Vehicle, VehicleState,
+    Actuator, Configuration, ConfigurationError, Detector, Evaluation, Monitor, Output,
+    StateVector, Vehicle, VehicleState,
 };
 use steerguard_world::{
     CALM_S, Course, GUST_S, Gusts, Plan, Steering, Stream, TrueVehicle, Tyres, Wind, World,

@@ -199,6 +199,7 @@ fn plan(draw: Draw, subject: &Subject) -> Plan {
         ManoeuvreName::Weave => Manoeuvre::Weave,
         ManoeuvreName::StepSteer => Manoeuvre::StepSteer,
         ManoeuvreName::LaneChange => Manoeuvre::LaneChange,
+        ManoeuvreName::SteadyTurn => Manoeuvre::SteadyTurn,
         ManoeuvreName::DoubleLaneChange => Manoeuvre::DoubleLaneChange,
         ManoeuvreName::SineWithDwell => Manoeuvre::SineWithDwell,
         ManoeuvreName::Roundabout => {

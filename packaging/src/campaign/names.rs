@@ -25,6 +25,8 @@ named! {
         Sine = "sine",
         /// [`Manoeuvre::LaneChange`].
         LaneChange = "lane change",
+        /// [`Manoeuvre::SteadyTurn`].
+        SteadyTurn = "steady turn",
     }
 }
 
@@ -37,6 +39,7 @@ impl ManoeuvreName {
             Manoeuvre::Weave => Self::Weave,
             Manoeuvre::StepSteer => Self::StepSteer,
             Manoeuvre::LaneChange => Self::LaneChange,
+            Manoeuvre::SteadyTurn => Self::SteadyTurn,
             Manoeuvre::DoubleLaneChange => Self::DoubleLaneChange,
             Manoeuvre::SineWithDwell => Self::SineWithDwell,
             Manoeuvre::Roundabout { .. } => Self::Roundabout,
