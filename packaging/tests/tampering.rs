@@ -257,5 +257,7 @@ fn uncertified_designs_are_used_only_where_allowed() {
     let mut entry = archive.by_name("documentation/index.html").unwrap();
     std::io::Read::read_to_string(&mut entry, &mut page).unwrap();
     assert!(page.contains("NOT CERTIFIED"), "{page}");
-    failure(path, &["package", "design.json", "--allow", "blind"], 2, &["uncertified"]);
+    let other = ["package", "design.json", "--allow", "blind"];
+    failure(path, &other, 1, &["not certified", "--allow uncertified"]);
+    failure(path, &["package", "design.json", "--allow", "deaf"], 2, &["uncertified", "blind"]);
 }

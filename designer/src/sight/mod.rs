@@ -21,7 +21,8 @@ use steerguard_detector::{Configuration, ConfigurationError, Detector, Monitor, 
 use steerguard_world::{Course, Fault, FaultKind, Manoeuvre, Plan, TrueVehicle, Tyres};
 
 use crate::sight::equivalent::bank_and_wind_rad;
-use crate::sight::hidden::{HiddenBy, hidden_by};
+pub use crate::sight::hidden::HiddenBy;
+use crate::sight::hidden::hidden_by;
 use crate::simulation::{Acting, Simulation, Surroundings};
 use crate::spec::{self, Spec};
 use crate::threshold::{Threshold, steady_points};
@@ -64,7 +65,7 @@ pub struct CourseSight {
     pub v_x_m_per_s: f64,
     /// Lateral acceleration; 0 straight ahead.
     pub lateral_acceleration_m_per_s2: f64,
-    /// Size from which on faults are seen, up to the largest that is driven; null where none is.
+    /// Smallest size that is seen, looked for below the smallest of `faults` that is; null where none is.
     pub seen_from_deg: Option<f64>,
     /// Every fault that was driven, the smallest of interest first.
     pub faults: Vec<FaultSight>,
@@ -286,13 +287,11 @@ fn tyres(spec: &Spec) -> Tyres {
     }
 }
 
-/// The size from which on faults are `seen`, between the largest of `faults` that is missed and the next
-/// one, or below the first.
+/// The smallest size that is `seen`, between the first of `faults` that is and the one before, or nothing.
 fn seen_from(faults: &[FaultSight], seen: impl Fn(f64) -> bool) -> Option<f64> {
-    let missed = faults.iter().rposition(|fault| !fault.seen);
-    let from = faults.get(missed.map_or(0, |missed| missed + 1))?;
-    let mut most = from.fault_deg;
-    let mut least = missed.map_or(FINEST * most, |missed| faults[missed].fault_deg);
+    let first = faults.iter().position(|fault| fault.seen)?;
+    let mut most = faults[first].fault_deg;
+    let mut least = if first > 0 { faults[first - 1].fault_deg } else { FINEST * most };
     for _ in 0..HALVINGS {
         let middle = (least * most).sqrt();
         if seen(middle) {
