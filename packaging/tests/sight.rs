@@ -10,7 +10,7 @@ use serde_json::Value;
 #[path = "common/command.rs"]
 mod command;
 
-use command::{failure, run, success};
+use command::{failure, steerguard as run, success};
 
 /// The paper's design under ten times its side wind, in little time.
 const BLIND: &str = r#"

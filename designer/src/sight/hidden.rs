@@ -15,7 +15,7 @@ use steerguard_detector::{Configuration, ConfigurationError, Evaluation};
 
 use super::{CourseSight, Test};
 use crate::problem::model;
-use crate::spec::{Spec, UncertaintyTable};
+use crate::spec::{Spec, ThresholdKind, UncertaintyTable};
 use crate::threshold::calibration::worst_again;
 use crate::threshold::{Threshold, steady};
 
@@ -66,13 +66,15 @@ enum Key {
 }
 
 impl Key {
-    /// All of `spec`.
+    /// All that are set in `spec`.
     fn all(spec: &Spec) -> Vec<Self> {
         let uncertainties = UNCERTAINTIES.map(|(key, numbers)| Self::Uncertainty(key, numbers));
         let disturbances = (0..spec.disturbance.len()).map(Self::Disturbance);
         let noise = (0..2).flat_map(|sensor| [Self::WhiteNoise(sensor), Self::NoiseBound(sensor)]);
         let keys = uncertainties.into_iter().chain(disturbances).chain(noise);
-        keys.chain([Self::Constant]).collect()
+        let is_constant = spec.evaluation.threshold == ThresholdKind::Constant;
+        let keys = keys.chain(is_constant.then_some(Self::Constant));
+        keys.filter(|key| key.numbers(&mut spec.clone()).iter().any(|&x| x != 0.0)).collect()
     }
 
     /// Its name in the specification.
