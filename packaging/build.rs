@@ -61,7 +61,8 @@ fn build() -> Result<(), String> {
         .ok_or("this package has no parent folder")?
         .to_owned();
     for source in SOURCES {
-        println!("cargo::rerun-if-changed={}", workspace.join(source).display());
+        // Relative to this package, so that a copied target folder watches its own sources.
+        println!("cargo::rerun-if-changed=../{source}");
     }
     let target = variable("TARGET")?;
     let target_folder = Path::new(&variable("OUT_DIR")?).join("runtimes");

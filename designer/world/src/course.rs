@@ -32,6 +32,10 @@ const ROUNDABOUT_ENTRY_S: f64 = 1.5;
 /// How long stop and go stands, s, and the frequency of its gentle steering, Hz.
 const STANDSTILL_S: f64 = 2.0;
 const GENTLE_STEERING_HZ: f64 = 0.1;
+/// Time in a turn before braking, and after speeding up again, s, and between the two.
+const TURN_BEFORE_BRAKING_S: f64 = 2.0;
+const TURN_AFTER_BRAKING_S: f64 = 1.0;
+const BRAKED_S: f64 = 1.0;
 /// Time constant of the speed control, s.
 const SPEED_CONTROL_S: f64 = 1.0;
 
@@ -62,6 +66,13 @@ pub enum Manoeuvre {
     /// Down to a low speed, and up again, steering gently.
     StopAndGo {
         /// The low speed, not above the plan's.
+        lowest_speed_m_per_s: f64,
+        /// Braking and acceleration, positive.
+        longitudinal_acceleration_m_per_s2: f64,
+    },
+    /// Down to a lower speed, and up again, in a turn with the wheel held.
+    BrakingInTurn {
+        /// The lower speed, not above the plan's.
         lowest_speed_m_per_s: f64,
         /// Braking and acceleration, positive.
         longitudinal_acceleration_m_per_s2: f64,
@@ -148,6 +159,14 @@ impl Course {
                 let braking_s = (v - lowest_speed_m_per_s) / longitudinal_acceleration_m_per_s2;
                 (2.0 * braking_s + STANDSTILL_S, sine(a_y, GENTLE_STEERING_HZ))
             }
+            Manoeuvre::BrakingInTurn {
+                lowest_speed_m_per_s,
+                longitudinal_acceleration_m_per_s2,
+            } => {
+                let braking_s = (v - lowest_speed_m_per_s) / longitudinal_acceleration_m_per_s2;
+                let braked_s = 2.0 * braking_s + BRAKED_S;
+                (TURN_BEFORE_BRAKING_S + braked_s + TURN_AFTER_BRAKING_S, held)
+            }
         };
         Self { plan: *plan, vehicle: *vehicle, run_s, amplitude_rad, rate_rad_per_s, lane_changes }
     }
@@ -197,7 +216,9 @@ impl Course {
                 let phase_s = if t < peak_s { t } else { peak_s.max(t - DWELL_S) };
                 if phase_s < period_s { amplitude * sine(phase_s / period_s) } else { 0.0 }
             }
-            Manoeuvre::StepSteer => self.trapezoid(t, 0.0, self.run_s, amplitude),
+            Manoeuvre::StepSteer | Manoeuvre::BrakingInTurn { .. } => {
+                self.trapezoid(t, 0.0, self.run_s, amplitude)
+            }
             Manoeuvre::Roundabout { .. } => {
                 let (entry, exit) = (ROUNDABOUT_ENTRY_S, self.run_s - ROUNDABOUT_ENTRY_S);
                 self.trapezoid(t, 0.0, entry, -0.5 * amplitude)
@@ -227,24 +248,32 @@ impl Course {
     fn speed(&self, t: f64) -> (f64, f64) {
         let set = self.plan.speed_m_per_s;
         let since_s = t - self.plan.start_s;
-        let Manoeuvre::StopAndGo {
-            lowest_speed_m_per_s: lowest,
-            longitudinal_acceleration_m_per_s2: a,
-        } = self.plan.manoeuvre
-        else {
-            return (set, 0.0);
+        // From when to when of a run the speed is lower.
+        let (lowest, a, from_s, to_s) = match self.plan.manoeuvre {
+            Manoeuvre::StopAndGo { lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2 } => {
+                (lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2, 0.0, self.run_s)
+            }
+            Manoeuvre::BrakingInTurn {
+                lowest_speed_m_per_s,
+                longitudinal_acceleration_m_per_s2,
+            } => {
+                let to_s = self.run_s - TURN_AFTER_BRAKING_S;
+                let a = longitudinal_acceleration_m_per_s2;
+                (lowest_speed_m_per_s, a, TURN_BEFORE_BRAKING_S, to_s)
+            }
+            _ => return (set, 0.0),
         };
         if since_s <= 0.0 {
             return (set, 0.0);
         }
         let run_s = libm::fmod(since_s, self.run_s + self.plan.pause_s);
-        let braked = set - a * run_s.min(self.run_s - run_s);
-        if run_s >= self.run_s {
+        let braked = set - a * (run_s - from_s).min(to_s - run_s);
+        if run_s < from_s || run_s >= to_s {
             (set, 0.0)
         } else if braked <= lowest {
             (lowest, 0.0)
         } else {
-            (braked, if run_s < 0.5 * self.run_s { -a } else { a })
+            (braked, if run_s < 0.5 * (from_s + to_s) { -a } else { a })
         }
     }
 }
@@ -286,7 +315,7 @@ mod tests {
         pause_s: 3.0,
     };
 
-    const MANOEUVRES: [Manoeuvre; 10] = [
+    const MANOEUVRES: [Manoeuvre; 11] = [
         Manoeuvre::Straight,
         Manoeuvre::Sine,
         Manoeuvre::Weave,
@@ -296,6 +325,10 @@ mod tests {
         Manoeuvre::SineWithDwell,
         Manoeuvre::Roundabout { radius_m: 20.0 },
         Manoeuvre::StopAndGo { lowest_speed_m_per_s: 2.0, longitudinal_acceleration_m_per_s2: 1.5 },
+        Manoeuvre::BrakingInTurn {
+            lowest_speed_m_per_s: 2.0,
+            longitudinal_acceleration_m_per_s2: 2.5,
+        },
         Manoeuvre::SteadyTurn,
     ];
 
@@ -323,6 +356,9 @@ mod tests {
                 steady_angle(&Vehicle::PAPER, speed_m_per_s, lateral_acceleration_m_per_s2);
             let (lowest, slope) = match manoeuvre {
                 Manoeuvre::StopAndGo {
+                    lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2,
+                }
+                | Manoeuvre::BrakingInTurn {
                     lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2,
                 } => (lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2),
                 _ => (speed_m_per_s, 0.0),
@@ -389,6 +425,16 @@ mod tests {
         let at = |run_s| course.speed(PLAN.start_s + run_s).0;
         assert_eq!(at(0.5 * course.run_s), 2.0);
         assert_eq!(at(course.run_s), PLAN.speed_m_per_s);
+    }
+
+    #[test]
+    fn braking_in_a_turn_holds_the_wheel() {
+        let course = of(MANOEUVRES[9]);
+        let middle_s = 0.5 * (TURN_BEFORE_BRAKING_S + course.run_s - TURN_AFTER_BRAKING_S);
+        assert_eq!(course.speed(PLAN.start_s + middle_s).0, 2.0);
+        for run_s in [TURN_BEFORE_BRAKING_S, middle_s, course.run_s - TURN_AFTER_BRAKING_S] {
+            assert_eq!(course.steering_rad(PLAN.start_s + run_s), course.amplitude_rad);
+        }
     }
 
     #[test]

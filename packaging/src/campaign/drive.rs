@@ -6,11 +6,11 @@ use steerguard_world::{
 };
 
 use super::names::{FaultName, ManoeuvreName};
-use super::settings::{FaultMix, Settings, Subject};
+use super::settings::{FaultMix, Mix, Settings, Subject};
 use crate::drive::scenario::SensorNoise;
 
-/// What is driven.
-const MANOEUVRES: [ManoeuvreName; 7] = [
+/// What is driven; without the last, which the classic mix has not.
+const MANOEUVRES: [ManoeuvreName; 8] = [
     ManoeuvreName::DoubleLaneChange,
     ManoeuvreName::Weave,
     ManoeuvreName::StepSteer,
@@ -18,9 +18,14 @@ const MANOEUVRES: [ManoeuvreName; 7] = [
     ManoeuvreName::Straight,
     ManoeuvreName::Roundabout,
     ManoeuvreName::StopAndGo,
+    ManoeuvreName::BrakingInTurn,
 ];
-/// Friction coefficients of dry and wet asphalt, where friction limits the axle forces.
-const FRICTION: [f64; 2] = [0.7, 1.0];
+/// Friction coefficients of dry and wet asphalt, where the classic mix lets friction limit the axle forces.
+const CLASSIC_FRICTION: [f64; 2] = [0.7, 1.0];
+/// Braking and acceleration in a turn, m/s^2.
+const IN_TURN_M_PER_S2: [f64; 2] = [0.5, 2.5];
+/// Share of the faults with a size that are large ones.
+const LARGE: f64 = 0.25;
 /// Slowest manoeuvre, as a share of the design's hardest lateral acceleration.
 const GENTLEST: f64 = 0.2;
 /// Longitudinal acceleration of stop and go, m/s^2.
@@ -79,6 +84,7 @@ enum Quantity {
     FaultLoss = 53,
     FaultDelay = 54,
     Onset = 55,
+    Large = 56,
 }
 
 /// The random numbers of one drive.
@@ -119,7 +125,7 @@ pub struct Drive {
     pub gusts: Gusts,
     /// Noise of the plant's sensors.
     pub noise: SensorNoise,
-    /// Added to what the plant measures: [v_x, r] in m/s, rad/s.
+    /// Biases of the plant's sensors: [v_x, r] in m/s, rad/s.
     pub sensor_bias: [f64; 2],
     /// The vehicle driven.
     pub vehicle: Vehicle,
@@ -148,7 +154,7 @@ impl Drive {
         Self {
             index,
             duration_s: settings.duration_s,
-            plan: plan(draw, subject),
+            plan: plan(draw, settings, subject),
             bank_deg: draw.within(Quantity::Bank, bounds.bank_deg),
             gusts: Gusts {
                 speed_m_per_s: draw.within(Quantity::Gust, bounds.gust_m_per_s),
@@ -167,7 +173,11 @@ impl Drive {
             ],
             vehicle: vehicle(draw, settings, &subject.vehicle),
             tyres: if saturated {
-                Tyres::Saturating { friction: draw.uniform(Quantity::Friction, FRICTION) }
+                let friction = match settings.mix {
+                    Mix::Standard => bounds.friction,
+                    Mix::Classic => CLASSIC_FRICTION,
+                };
+                Tyres::Saturating { friction: draw.uniform(Quantity::Friction, friction) }
             } else {
                 Tyres::Linear
             },
@@ -187,12 +197,16 @@ impl Drive {
     }
 }
 
-fn plan(draw: Draw, subject: &Subject) -> Plan {
+fn plan(draw: Draw, settings: &Settings, subject: &Subject) -> Plan {
     let armed = subject.armed_v_x;
     let hardest = subject.lateral_acceleration_m_per_s2;
     let lateral = draw.uniform(Quantity::LateralAcceleration, [GENTLEST * hardest, hardest]);
     let mut speed_m_per_s = draw.uniform(Quantity::Speed, [armed.min, armed.max]);
-    let name = draw.0.choose(Quantity::Manoeuvre as u64, &MANOEUVRES);
+    let driven = match (settings.mix, &MANOEUVRES) {
+        (Mix::Standard, all) => all.as_slice(),
+        (Mix::Classic, [classic @ .., _]) => classic,
+    };
+    let name = draw.0.choose(Quantity::Manoeuvre as u64, driven);
     let manoeuvre = match name.unwrap_or(ManoeuvreName::Straight) {
         ManoeuvreName::Straight => Manoeuvre::Straight,
         ManoeuvreName::Sine => Manoeuvre::Sine,
@@ -212,6 +226,11 @@ fn plan(draw: Draw, subject: &Subject) -> Plan {
             lowest_speed_m_per_s: draw.uniform(Quantity::LowestSpeed, [0.0, armed.min]),
             longitudinal_acceleration_m_per_s2: draw
                 .uniform(Quantity::LongitudinalAcceleration, LONGITUDINAL_M_PER_S2),
+        },
+        ManoeuvreName::BrakingInTurn => Manoeuvre::BrakingInTurn {
+            lowest_speed_m_per_s: draw.uniform(Quantity::LowestSpeed, [armed.min, speed_m_per_s]),
+            longitudinal_acceleration_m_per_s2: draw
+                .uniform(Quantity::LongitudinalAcceleration, IN_TURN_M_PER_S2),
         },
     };
     Plan {
@@ -256,9 +275,10 @@ fn fault(draw: Draw, settings: &Settings) -> Option<Fault> {
         FaultMix::Bias => FaultName::Bias,
         FaultMix::Mixed => draw.0.choose(Quantity::Fault as u64, FaultName::ALL)?,
     };
-    let angle_rad = (draw.uniform(Quantity::FaultSize, settings.fault_deg)
-        * draw.sign(Quantity::FaultSign))
-    .to_radians();
+    let is_large = draw.uniform(Quantity::Large, [0.0, 1.0]) < LARGE;
+    let sizes_deg = settings.large_fault_deg.filter(|_| is_large).unwrap_or(settings.fault_deg);
+    let angle_rad = (draw.uniform(Quantity::FaultSize, sizes_deg) * draw.sign(Quantity::FaultSign))
+        .to_radians();
     let kind = match name {
         FaultName::None => return None,
         FaultName::Bias => FaultKind::Bias { angle_rad },
@@ -322,7 +342,7 @@ mod tests {
                 nominal.rear_cornering_stiffness_n_per_rad
             ));
             if let Tyres::Saturating { friction } = drive.tyres {
-                prop_assert!(within(friction, FRICTION));
+                prop_assert!(within(friction, SETTINGS.uncertainty.bounds.friction));
             }
             prop_assert!(within(drive.actuator.lag_s, [0.0, 0.02]));
             prop_assert!(within(drive.actuator.delay_s, [0.0, 0.03]));
@@ -332,8 +352,11 @@ mod tests {
                 FaultKind::Bias { angle_rad }
                 | FaultKind::Drift { angle_rad, .. }
                 | FaultKind::Oscillation { angle_rad, .. } => {
-                    let largest = SETTINGS.fault_deg.map(f64::to_radians);
-                    prop_assert!(within(angle_rad.abs(), largest));
+                    let size_deg = angle_rad.abs().to_degrees();
+                    prop_assert!(
+                        within(size_deg, [0.1 - 1e-9, 2.0 + 1e-9])
+                            || within(size_deg, [2.0 - 1e-9, 20.0 + 1e-9])
+                    );
                 }
                 FaultKind::LossOfEffectiveness { lost } => prop_assert!(within(lost, LOSS)),
                 FaultKind::Delay { delay_s } => prop_assert!(within(delay_s, DELAY_S)),

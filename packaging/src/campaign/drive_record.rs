@@ -17,9 +17,9 @@ record! {
         pub manoeuvre: ManoeuvreName,
         /// Set speed.
         pub speed_m_per_s: f64,
-        /// Speed that stop and go brakes to, below the range of the design.
+        /// Speed that stop and go, or the vehicle in a turn, brakes to.
         pub lowest_speed_m_per_s: Option<f64>,
-        /// Braking and acceleration of stop and go.
+        /// Braking and acceleration of stop and go, or in a turn.
         pub longitudinal_acceleration_m_per_s2: Option<f64>,
         /// Steady lateral acceleration that the steering corresponds to; the sign is the direction
         /// of the first run.
@@ -131,7 +131,11 @@ impl From<&Drive> for DriveRecord {
         };
         match plan.manoeuvre {
             Manoeuvre::Roundabout { radius_m } => record.radius_m = Some(radius_m),
-            Manoeuvre::StopAndGo { lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2 } => {
+            Manoeuvre::StopAndGo { lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2 }
+            | Manoeuvre::BrakingInTurn {
+                lowest_speed_m_per_s,
+                longitudinal_acceleration_m_per_s2,
+            } => {
                 record.lowest_speed_m_per_s = Some(lowest_speed_m_per_s);
                 record.longitudinal_acceleration_m_per_s2 =
                     Some(longitudinal_acceleration_m_per_s2);
@@ -168,7 +172,8 @@ mod tests {
         fn what_does_not_apply_is_empty(index: u64) {
             use FaultName::{Bias, Delay, Drift, LossOfEffectiveness, Oscillation};
             let record = DriveRecord::from(&Drive::draw(&SETTINGS, &PAPER, index));
-            let stops = record.manoeuvre == ManoeuvreName::StopAndGo;
+            let stops = [ManoeuvreName::StopAndGo, ManoeuvreName::BrakingInTurn]
+                .contains(&record.manoeuvre);
             prop_assert_eq!(record.lowest_speed_m_per_s.is_some(), stops);
             prop_assert_eq!(record.longitudinal_acceleration_m_per_s2.is_some(), stops);
             let round = record.manoeuvre == ManoeuvreName::Roundabout;

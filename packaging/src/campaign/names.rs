@@ -1,4 +1,4 @@
-//! Names of manoeuvres and faults in files, tables and reports.
+//! Names of manoeuvres and faults in results, reports and scenarios.
 
 use steerguard_world::{Fault, FaultKind, Manoeuvre};
 
@@ -21,6 +21,8 @@ named! {
         Roundabout = "roundabout",
         /// [`Manoeuvre::StopAndGo`].
         StopAndGo = "stop and go",
+        /// [`Manoeuvre::BrakingInTurn`].
+        BrakingInTurn = "braking in a turn",
         /// [`Manoeuvre::Sine`].
         Sine = "sine",
         /// [`Manoeuvre::LaneChange`].
@@ -44,6 +46,7 @@ impl ManoeuvreName {
             Manoeuvre::SineWithDwell => Self::SineWithDwell,
             Manoeuvre::Roundabout { .. } => Self::Roundabout,
             Manoeuvre::StopAndGo { .. } => Self::StopAndGo,
+            Manoeuvre::BrakingInTurn { .. } => Self::BrakingInTurn,
         }
     }
 }

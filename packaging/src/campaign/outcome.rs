@@ -13,6 +13,8 @@
 //! - An alarm counts as detection even if it would have come without the fault: where false alarms are
 //!   frequent, small faults seem detected.
 
+use steerguard_model_description::detector::{DetectorState, DetectorStateCause};
+
 use super::record::{named, record};
 use crate::drive::cosimulation::Sample;
 use crate::drive::detection::MONITORING;
@@ -46,6 +48,12 @@ record! {
         pub monitored_fault_free_s: f64,
         /// Share of the samples at which the detector was out of range.
         pub out_of_range_share: f64,
+        /// The same for the speed.
+        pub out_of_range_v_x_share: f64,
+        /// The same for the estimated lateral speed.
+        pub out_of_range_v_y_share: f64,
+        /// The same for the yaw rate.
+        pub out_of_range_r_share: f64,
         /// Share of the samples at which its input was invalid.
         pub invalid_input_share: f64,
         /// Share of the time monitored at which the smallest fault of interest could not be seen.
@@ -56,6 +64,8 @@ record! {
         pub exposed_s: Option<f64>,
         /// First sample of the episode that detected it.
         pub alarm_s: Option<f64>,
+        /// Time without alarm between the first alarm of an exposed fault and the end of the drive.
+        pub interrupted_s: Option<f64>,
         /// From exposure to alarm.
         pub delay_s: Option<f64>,
         /// From onset to alarm.
@@ -70,8 +80,12 @@ record! {
 }
 
 /// Items of the enumeration `DetectorState` without valid results.
-const OUT_OF_RANGE: i32 = 3;
-const INVALID_INPUT: i32 = 4;
+const OUT_OF_RANGE: i32 = DetectorState::OutOfRange.value();
+const INVALID_INPUT: i32 = DetectorState::InvalidInput.value();
+/// Items of the enumeration `DetectorStateCause`.
+const SPEED: i32 = DetectorStateCause::SpeedX.value();
+const LATERAL_SPEED: i32 = DetectorStateCause::LateralSpeed.value();
+const YAW_RATE: i32 = DetectorStateCause::YawRate.value();
 
 /// Gathers the outcome of a drive, sample by sample.
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,6 +95,9 @@ pub struct Observation {
     monitored_fault_free: u32,
     not_excited: u32,
     out_of_range: u32,
+    out_of_range_v_x: u32,
+    out_of_range_v_y: u32,
+    out_of_range_r: u32,
     invalid_input: u32,
     false_alarms: u32,
     /// The alarm of the last sample.
@@ -89,6 +106,8 @@ pub struct Observation {
     exposed_s: Option<f64>,
     masked: bool,
     alarm_s: Option<f64>,
+    /// Samples without alarm since then.
+    interrupted: u32,
     peak_fault_rad: f64,
     peak_ratio_before: Option<f64>,
     peak_ratio_after: Option<f64>,
@@ -103,7 +122,15 @@ impl Observation {
         }
         match sample.state {
             MONITORING => self.add_monitored(sample),
-            OUT_OF_RANGE => self.out_of_range += 1,
+            OUT_OF_RANGE => {
+                self.out_of_range += 1;
+                match sample.state_cause {
+                    SPEED => self.out_of_range_v_x += 1,
+                    LATERAL_SPEED => self.out_of_range_v_y += 1,
+                    YAW_RATE => self.out_of_range_r += 1,
+                    _ => {}
+                }
+            }
             INVALID_INPUT => self.invalid_input += 1,
             _ => {}
         }
@@ -114,6 +141,7 @@ impl Observation {
         } else if begins && self.exposed_s.is_some() && !self.masked {
             self.alarm_s = self.alarm_s.or(Some(sample.time));
         }
+        self.interrupted += u32::from(self.alarm_s.is_some() && !sample.alarm);
     }
 
     fn add_monitored(&mut self, sample: &Sample) {
@@ -150,11 +178,15 @@ impl Observation {
             monitored_s: f64::from(self.monitored) * period_s,
             monitored_fault_free_s: f64::from(self.monitored_fault_free) * period_s,
             out_of_range_share: share(self.out_of_range, self.samples),
+            out_of_range_v_x_share: share(self.out_of_range_v_x, self.samples),
+            out_of_range_v_y_share: share(self.out_of_range_v_y, self.samples),
+            out_of_range_r_share: share(self.out_of_range_r, self.samples),
             invalid_input_share: share(self.invalid_input, self.samples),
             not_excited_share: share(self.not_excited, self.monitored),
             acting_s: self.acting_s,
             exposed_s: self.exposed_s,
             alarm_s: self.alarm_s,
+            interrupted_s: self.alarm_s.map(|_| f64::from(self.interrupted) * period_s),
             delay_s: since(self.exposed_s),
             onset_delay_s: since(onset_s),
             peak_fault_deg: self.exposed_s.map(|_| self.peak_fault_rad.to_degrees()),
@@ -215,6 +247,29 @@ mod tests {
             assert_eq!((outcome.false_alarms, outcome.verdict), (1, Verdict::Masked));
             assert_eq!((outcome.exposed_s, outcome.delay_s), (Some(1.0), None));
         }
+    }
+
+    #[test]
+    fn an_alarm_that_goes_while_the_fault_stays_is_interrupted() {
+        let samples = [(0.1, true, 2), (0.1, false, 2), (0.1, false, 3), (0.1, true, 2)];
+        assert_eq!(outcome(&samples, Some(0.0)).interrupted_s, None, "masked");
+        let samples = [(0.1, false, 2), (0.1, true, 2), (0.1, false, 2), (0.1, true, 3)];
+        assert_eq!(outcome(&samples, Some(0.0)).interrupted_s, Some(1.0));
+    }
+
+    #[test]
+    fn time_out_of_range_is_told_by_cause() {
+        let mut observation = Observation::default();
+        for state_cause in [SPEED, YAW_RATE, YAW_RATE, LATERAL_SPEED] {
+            observation.add(&Sample { state: OUT_OF_RANGE, state_cause, ..Sample::default() });
+        }
+        let outcome = observation.outcome(1.0, None);
+        let shares = [
+            outcome.out_of_range_v_x_share,
+            outcome.out_of_range_v_y_share,
+            outcome.out_of_range_r_share,
+        ];
+        assert_eq!(shares, [0.25, 0.25, 0.5]);
     }
 
     #[test]

@@ -42,6 +42,8 @@ pub struct Report {
     pub monitored_h: f64,
     /// Share of the samples at which it was out of range.
     pub out_of_range_share: f64,
+    /// The same for v_x, for v_y_hat and for r.
+    pub out_of_range_by_cause: [f64; 3],
     /// Share of the samples at which its input was invalid.
     pub invalid_input_share: f64,
     /// Share of the time monitored at which the smallest fault of interest could not be seen.
@@ -92,6 +94,8 @@ pub struct Detections {
     pub masked: u64,
     /// Those detected.
     pub detected: u64,
+    /// Those of them whose alarm did not last until the end of the drive.
+    pub interrupted: u64,
     /// Those missed.
     pub missed: u64,
     /// Probability of detection of a fault that is neither masked nor not exposed.
@@ -154,6 +158,11 @@ impl Report {
                 |row| row.outcome.out_of_range_share * row.drive.duration_s,
                 driven_h,
             ),
+            out_of_range_by_cause: [
+                share(|row| row.outcome.out_of_range_v_x_share * row.drive.duration_s, driven_h),
+                share(|row| row.outcome.out_of_range_v_y_share * row.drive.duration_s, driven_h),
+                share(|row| row.outcome.out_of_range_r_share * row.drive.duration_s, driven_h),
+            ],
             invalid_input_share: share(
                 |row| row.outcome.invalid_input_share * row.drive.duration_s,
                 driven_h,
@@ -171,8 +180,10 @@ impl Report {
 
     /// Tables for people.
     pub fn text(&self) -> String {
+        let [v_x, v_y, r] = self.out_of_range_by_cause.map(|share| 100.0 * share);
         let mut text = format!(
-            "{} drives, {:.3} h driven, {:.3} h monitored, {:.1} % out of range\n",
+            "{} drives, {:.3} h driven, {:.3} h monitored, {:.1} % out of range: {v_x:.1} % for v_x, \
+             {v_y:.1} % for v_y_hat, {r:.1} % for r\n",
             self.drives,
             self.driven_h,
             self.monitored_h,
@@ -212,13 +223,14 @@ impl Report {
 const FALSE_ALARMS_HEAD: [&str; 8] =
     ["drives", "number", "h", "episodes", "per h", "drives with", "per drive", "largest J/J_th"];
 
-const DETECTIONS_HEAD: [&str; 11] = [
+const DETECTIONS_HEAD: [&str; 12] = [
     "fault",
     "which",
     "number",
     "not exposed",
     "masked",
     "detected",
+    "did not last",
     "missed",
     "probability",
     "delay median s",
@@ -284,6 +296,7 @@ impl Detections {
             not_exposed: count(faults, is(Verdict::NotExposed)),
             masked: count(faults, is(Verdict::Masked)),
             detected,
+            interrupted: count(&tried, |row| row.outcome.interrupted_s.is_some_and(|s| s > 0.0)),
             missed: count(&tried, is(Verdict::Missed)),
             probability: probability(detected, tried.len() as u64),
             delay_median_s: quantile(&mut delays, 0.5),
@@ -292,7 +305,7 @@ impl Detections {
         }
     }
 
-    fn cells(&self) -> [String; 11] {
+    fn cells(&self) -> [String; 12] {
         [
             self.kind.into(),
             self.group.clone(),
@@ -300,6 +313,7 @@ impl Detections {
             self.not_exposed.to_string(),
             self.masked.to_string(),
             self.detected.to_string(),
+            self.interrupted.to_string(),
             self.missed.to_string(),
             estimate(self.probability),
             number(self.delay_median_s, 2),
@@ -421,11 +435,15 @@ mod tests {
                 monitored_s: 1800.0,
                 monitored_fault_free_s: 1800.0,
                 out_of_range_share: 0.5,
+                out_of_range_v_x_share: 0.25,
+                out_of_range_v_y_share: 0.0,
+                out_of_range_r_share: 0.25,
                 invalid_input_share: 0.0,
                 not_excited_share: 0.25,
                 acting_s: exposed_s,
                 exposed_s,
                 alarm_s: None,
+                interrupted_s: delay_s.map(|_| 0.0),
                 delay_s,
                 onset_delay_s: None,
                 peak_fault_deg: Some(0.6),

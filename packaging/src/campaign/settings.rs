@@ -14,14 +14,30 @@ pub struct Settings {
     pub drives: u64,
     /// Length of a drive, s.
     pub duration_s: f64,
+    /// Which drives are mixed.
+    pub mix: Mix,
     /// Which faults are drawn.
     pub faults: FaultMix,
     /// Smallest and largest bias, drift and oscillation, degrees at the road wheel.
     pub fault_deg: [f64; 2],
+    /// The same of a quarter of them, the large ones, where there are any.
+    pub large_fault_deg: Option<[f64; 2]>,
     /// What the design does not know of.
     pub uncertainty: Uncertainty,
     /// Sensor errors.
     pub sensors: Sensors,
+}
+
+/// Which drives are mixed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Mix {
+    /// All manoeuvres, friction as stated, large faults among the others.
+    #[default]
+    Standard,
+    /// Without braking in turns and large faults, friction down to 0.7: for comparison with figures of
+    /// earlier versions.
+    Classic,
 }
 
 /// Which faults are drawn.
@@ -142,8 +158,10 @@ pub(super) mod tests {
         seed: 1,
         drives: 1000,
         duration_s: 60.0,
+        mix: Mix::Standard,
         faults: FaultMix::Mixed,
         fault_deg: [0.1, 2.0],
+        large_fault_deg: Some([2.0, 20.0]),
         uncertainty: Uncertainty {
             bounds: UncertaintyTable {
                 actuator_lag_s: 0.02,

@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use steerguard_model_description::names;
 
 use crate::campaign::Shard;
-use crate::campaign::settings::FaultMix;
+use crate::campaign::settings::{FaultMix, Mix};
 use crate::platform::Platform;
 
 const EXAMPLES: &str = "\
@@ -192,8 +192,11 @@ pub struct CampaignArguments {
     /// Faults: none; all kinds and none, equally likely; a bias in every drive
     #[arg(long, value_enum, default_value = "mixed")]
     pub faults: FaultMix,
+    /// Drives: standard; or classic, which compares with figures of earlier versions
+    #[arg(long, value_enum, default_value = "standard")]
+    pub mix: Mix,
     /// Sizes of biases, drifts and oscillations, deg at the road wheel; default: up to four times the
-    /// smallest fault of the design
+    /// smallest fault of the design, and of a quarter of them from there up to 20
     #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
     pub fault_deg: Option<[f64; 2]>,
     /// The design's own vehicle and actuator with linear tyres on a flat road in still air

@@ -13,7 +13,7 @@ use super::print::print;
 use super::{input, simulate};
 use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
-use crate::campaign::settings::{Sensors, Settings, Subject, Uncertainty};
+use crate::campaign::settings::{Mix, Sensors, Settings, Subject, Uncertainty};
 use crate::campaign::simulation::TestBench;
 use crate::campaign::{
     self, CampaignError, Manifest, drive::Drive, drive_record::DriveRecord, signals, table::Row,
@@ -73,8 +73,10 @@ fn settings(arguments: &CampaignArguments, design: &Design) -> Settings {
         seed: arguments.seed,
         drives: arguments.drives,
         duration_s: arguments.duration,
+        mix: arguments.mix,
         faults: arguments.faults,
         fault_deg: arguments.fault_deg.unwrap_or([0.0, largest_deg]),
+        large_fault_deg: large_fault_deg(arguments, largest_deg),
         uncertainty: if arguments.nominal {
             Uncertainty::NOMINAL
         } else {
@@ -87,6 +89,15 @@ fn settings(arguments: &CampaignArguments, design: &Design) -> Settings {
             r_bias_rad_per_s: arguments.r_bias.unwrap_or(described.r_bias_rad_per_s),
         },
     }
+}
+
+/// Largest fault that campaigns draw, deg.
+const LARGEST_FAULT_DEG: f64 = 20.0;
+
+/// Sizes of the large faults: none where sizes are given, or of the classic mix.
+fn large_fault_deg(arguments: &CampaignArguments, from_deg: f64) -> Option<[f64; 2]> {
+    let drawn = arguments.mix == Mix::Standard && arguments.fault_deg.is_none();
+    drawn.then_some([from_deg.min(LARGEST_FAULT_DEG), LARGEST_FAULT_DEG])
 }
 
 /// Those of the design, but for what the arguments set.

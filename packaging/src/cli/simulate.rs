@@ -14,7 +14,7 @@ use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
 use crate::drive::detection::Detection;
-use crate::drive::scenario::Scenario;
+use crate::drive::scenario::{DOCUMENTED, Scenario};
 use crate::drive::simulation::{Files, Simulation, SimulationError};
 use crate::fmu::runtime::Runtimes;
 use crate::importer::Fmu;
@@ -29,8 +29,7 @@ struct Simulated {
 
 pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Failure> {
     if arguments.print_scenario {
-        let scenario = Scenario::default();
-        print(json, &scenario, &toml::to_string(&scenario).map_err(Failure::bad)?)?;
+        print(json, &Scenario::default(), DOCUMENTED)?;
         return Ok(Exit::Done);
     }
     let scenario = match &arguments.scenario {
