@@ -138,16 +138,6 @@ fn a_steep_bank_blinds_and_is_named() {
 }
 
 #[test]
-fn a_gust_blinds_and_is_named() {
-    let mut spec = with_a_wide_margin();
-    spec.uncertainty.gust_m_per_s = 60.0;
-    let (_, hidden) = blind(&spec);
-    assert_eq!(hidden.key, "uncertainty.gust_m_per_s");
-    let seen_at = hidden.seen_at.unwrap()[0];
-    assert!(10.0 < seen_at && seen_at < 60.0, "{seen_at}");
-}
-
-#[test]
 fn a_yaw_moment_blinds_and_is_named_and_no_edit_hides_that() {
     let spec = common::papers_but(
         "[[disturbance]]\nkind = \"yaw_moment\"\nname = \"brakes\"\nbound_n_m = 2000.0\n",

@@ -12,12 +12,12 @@ mod command;
 
 use command::{failure, steerguard as run, success};
 
-/// The paper's design under ten times its side wind, in little time.
+/// The paper's design under fifty times its side wind, in little time.
 const BLIND: &str = r#"
 [[disturbance]]
 kind = "side_wind"
 name = "storm"
-bound_m_per_s2 = 1.0
+bound_m_per_s2 = 5.0
 [noise.v_x]
 white_std_m_per_s = 0.0
 [noise.r]
@@ -48,7 +48,7 @@ fn blind_designs_are_written_and_used_only_where_allowed() {
     let hidden = &design["design"]["sight"]["blind"]["hidden_by"];
     assert_eq!(hidden["key"], "bound_m_per_s2 of disturbance \"storm\"");
     let seen_at = hidden["seen_at"][0].as_f64().unwrap();
-    assert!(0.0 < seen_at && seen_at < 1.0, "{seen_at}");
+    assert!(0.0 < seen_at && seen_at < 5.0, "{seen_at}");
 
     let verified = run(path, &["verify", "design.json"]);
     assert_eq!(verified.status.code(), Some(1));
