@@ -22,7 +22,7 @@ use steerguard_designer::synthesis::theorem4::Theorem4;
 use steerguard_designer::{Design, DesignError, Spec};
 use steerguard_detector::{
     Actuator, Configuration, Detector, Deviations, Evaluation, Input, Measurement, Monitor, RULES,
-    TsModel, VehicleState,
+    Staleness, TsModel, VehicleState, Zero,
 };
 use steerguard_test_support::cases::ReferenceCase;
 
@@ -154,9 +154,12 @@ fn detector() -> Detector {
             start_up_amplitude: 0.0,
             start_up_decay: 0.0,
             debounce_samples: 1,
+            alarm_hold_s: 0.0,
         },
         actuator: Actuator::NONE,
         deviations: Deviations::NONE,
+        zero: Zero::default(),
+        staleness: Staleness::NEVER,
     })
     .unwrap()
 }

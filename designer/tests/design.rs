@@ -11,7 +11,8 @@ use steerguard_designer::analysis::certificate::{check, error_dynamics};
 use steerguard_designer::lmi::matrix::matrix;
 use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::spec::{
-    ActuatorTable, Calibration, Evaluation, Manoeuvre, ThresholdKind, UncertaintyTable,
+    ActuatorTable, Calibration, Evaluation, Manoeuvre, OperatingRangeTable, ThresholdKind,
+    UncertaintyTable,
 };
 use steerguard_designer::synthesis::gains::ObserverGains;
 use steerguard_designer::synthesis::solve::{AttenuationMatrices, Lyapunov};
@@ -20,7 +21,7 @@ use steerguard_designer::threshold::by_cause;
 use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, FORMAT, Obstacle, Spec, Step, design,
 };
-use steerguard_detector::{Detector, Initialisation, Input, Measurement, Monitor};
+use steerguard_detector::{Cause, Detector, Initialisation, Input, Measurement, Monitor};
 use steerguard_test_support::cases::ReferenceCase;
 use steerguard_verify::Refusal;
 use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World, steady_angle};
@@ -36,7 +37,7 @@ fn spec() -> Spec {
         lateral_acceleration_m_per_s2: vec![3.0],
         disturbance_frequencies: 1,
         disturbance_phases: 2,
-        initial_v_y_m_per_s: vec![0.0],
+        initial_v_y_m_per_s: Some(vec![0.0]),
         duration_s: 4.0,
         ..Calibration::default()
     };
@@ -271,7 +272,7 @@ fn the_threshold_by_cause_is_that_of_steady_driving() {
         near(output.j_th, point.j_th, 1e-3);
         near(output.detectability * output.j_th, point.smallest_fault_j, 1e-6);
         near(point.level + point.uncertainties.iter().sum::<f64>(), point.j_th, 1e-12);
-        assert_eq!(point.uncertainties[6], 0.0, "the actuator has come to rest");
+        assert_eq!(point.uncertainties[Cause::Actuator as usize], 0.0, "it has come to rest");
     }
 }
 
@@ -292,7 +293,12 @@ fn a_constant_threshold_is_taken_as_it_is() {
 /// one left out is like a fault of more than a degree. The gains stay as they are.
 #[test]
 fn an_actuator_changes_the_threshold_little_and_nothing_else() {
-    let actuator = ActuatorTable { lag_s: 0.1, delay_s: 0.0373, rate_limit_rad_per_s: Some(0.2) };
+    let actuator = ActuatorTable {
+        lag_s: 0.1,
+        delay_s: 0.0373,
+        rate_limit_rad_per_s: Some(0.2),
+        angle_limit_deg: Some(40.0),
+    };
     let with = designed(&Spec { actuator, ..spec() }).unwrap();
     let without = papers_design();
     assert_eq!(with.vertices, without.vertices);
@@ -334,11 +340,10 @@ fn changed_files_are_refused() {
     assert!(matches!(refusal(&changed), Refusal::Hash { .. }));
     let status = text.replacen("\"certified\",", "\"uncertified\",", 1);
     assert!(matches!(refusal(&status), Refusal::Hash { .. }));
-    let format = text.replacen(FORMAT, "steerguard-design/1", 1);
-    assert!(matches!(
-        refusal(&format),
-        Refusal::Format { found } if found == "steerguard-design/1"
-    ));
+    for older in ["steerguard-design/1", "steerguard-design/2"] {
+        let format = text.replacen(FORMAT, older, 1);
+        assert!(matches!(refusal(&format), Refusal::Format { found } if found == older));
+    }
     for blank in ["", " \n"] {
         assert!(matches!(refusal(blank), Refusal::Empty));
     }
@@ -378,10 +383,17 @@ fn zero_has_no_sign_in_a_design() {
 fn specification_of_an_older_design_is_read() {
     let design = papers_design();
     let text = design.to_json().unwrap();
-    let older =
-        text.replacen(FORMAT, "steerguard-design/1", 1).replacen("\"detector\": ", "\"d\": ", 1);
-    assert_ne!(older, text);
-    assert_eq!(Design::spec_from_json(&older).unwrap(), design.spec);
+    for format in ["steerguard-design/1", "steerguard-design/2"] {
+        let older = text.replacen(FORMAT, format, 1).replacen("\"detector\": ", "\"d\": ", 1);
+        assert_ne!(older, text);
+        assert_eq!(Design::spec_from_json(&older).unwrap(), design.spec);
+    }
+    // As it was written: what has a key since has its default.
+    let written = include_str!("fixtures/steerguard-design-2.json");
+    let spec = Design::spec_from_json(written).unwrap();
+    assert_eq!(spec.evaluation.window(spec.sampling.period_s), 40);
+    assert_eq!(spec.operating_range, OperatingRangeTable::PAPER);
+    assert_eq!(spec.evaluation.alarm_hold_s, 1.0);
     let other = text.replacen(FORMAT, "another/1", 1);
     assert!(matches!(
         Design::spec_from_json(&other),

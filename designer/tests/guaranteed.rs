@@ -91,7 +91,7 @@ fn claim_and_causes_are_proven() {
 fn vehicle_in_continuous_time_stays_below_the_threshold() {
     let mut spec = papers_but(GUARANTEED);
     spec.evaluation.calibration.speeds = 3;
-    spec.evaluation.calibration.initial_v_y_m_per_s = vec![0.0];
+    spec.evaluation.calibration.initial_v_y_m_per_s = Some(vec![0.0]);
     let papers = designed(&spec).unwrap();
     let bounded = papers.threshold.guaranteed.as_ref().unwrap();
     let specified = Population::Specified;

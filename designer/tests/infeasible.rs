@@ -9,8 +9,12 @@ use steerguard_designer::{Design, DesignError, Obstacle, Spec};
 
 use designed::designed_with_few_drives;
 
+/// The paper's: the default's leaves method "paper" less.
+const RANGE: &str = "operating_range.v_y_m_per_s = [-1.5, 1.5]\n\
+                     operating_range.r_rad_per_s = [-0.55, 0.55]\n";
+
 fn designed(text: &str) -> Result<Design, DesignError> {
-    designed_with_few_drives(Spec::from_toml(text).unwrap())
+    designed_with_few_drives(Spec::from_toml(&format!("{RANGE}{text}")).unwrap())
 }
 
 fn obstacle(text: &str) -> Obstacle {

@@ -66,6 +66,78 @@ fn disturbances_act_as_documented() {
     ReferenceCase::read("model").check("d_3", d[2]);
 }
 
+/// A key that nobody wrote stands in nobody's way.
+#[test]
+fn what_is_not_stated_follows_a_narrow_range() {
+    let spec = Spec::from_toml(
+        "[operating_range]\nv_x_m_per_s = [5, 7.4]\nv_y_m_per_s = [-0.3, 0.6]\n\
+         r_rad_per_s = [-0.3, 0.3]",
+    )
+    .unwrap();
+    let range = &spec.operating_range;
+    let near = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-12, "{value}");
+    near(range.v_x_hysteresis_m_per_s, 0.2);
+    near(range.v_y_hysteresis_m_per_s, 0.075);
+    near(range.r_hysteresis_rad_per_s, 0.05);
+    let initial = spec.evaluation.calibration.initial_v_y_in(range.v_y_m_per_s);
+    assert_eq!(initial, [-0.3, 0.0, 0.6]);
+    let wide = Spec::default();
+    assert_eq!(wide.operating_range.hysteresis(), [0.5, 0.5, 0.1]);
+    let initial = wide.evaluation.calibration.initial_v_y_in(wide.operating_range.v_y_m_per_s);
+    assert_eq!(initial, [-1.0, 0.0, 1.0]);
+    // Stated, it is not touched.
+    let stated = Spec::from_toml("operating_range.v_y_hysteresis_m_per_s = 1").unwrap();
+    assert_eq!(stated.operating_range.v_y_hysteresis_m_per_s, 1.0);
+}
+
+/// The window of the default shrinks to what the detector holds, where a stated one is refused.
+#[test]
+fn the_window_is_in_seconds_or_samples() {
+    for (text, samples) in [
+        ("", 40),
+        ("sampling.period_s = 0.02", 20),
+        ("sampling.period_s = 0.001", 256),
+        ("evaluation.window_s = 1", 100),
+        ("evaluation.window_samples = 7", 7),
+        ("sampling.period_s = 0.02\nevaluation.window_samples = 40", 40),
+    ] {
+        let text = format!("operating_range.v_x_m_per_s = [6, 30]\n{text}");
+        let spec = Spec::from_toml(&text).unwrap();
+        assert_eq!(spec.evaluation.window(spec.sampling.period_s), samples, "{text}");
+    }
+}
+
+#[test]
+fn signals_and_road_of_a_specification_reach_the_detector() {
+    let spec = Spec::from_toml(
+        "[sensors]\nsteering_offset_deg = 0.5\nyaw_rate_bias_deg_per_s = -0.3\n\
+         [actuator]\nangle_limit_deg = 35\n\
+         [uncertainty]\nsteering_ratio_percent = [-2, 3]\nsteering_offset_deg = 0.1\n\
+         yaw_rate_bias_deg_per_s = 0.2\nv_x_scale_percent = 2\nfriction = [0.3, 1.0]\n\
+         load_transfer_percent = 20",
+    )
+    .unwrap();
+    let near = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-12, "{value}");
+    let zero = spec.sensors.zero();
+    near(zero.steering_offset_rad, 0.5_f64.to_radians());
+    near(zero.yaw_rate_bias_rad_per_s, -0.3_f64.to_radians());
+    near(spec.actuator.actuator().angle_limit_rad.unwrap(), 35_f64.to_radians());
+    let bounds = spec.uncertainty.bounds();
+    near(bounds.steering_ratio, 3.0 / 103.0);
+    near(bounds.steering_offset_rad, 0.1_f64.to_radians());
+    near(bounds.yaw_rate_bias_rad_per_s, 0.2_f64.to_radians());
+    near(bounds.v_x_scale, 0.02);
+    assert_eq!(bounds.friction, Some(0.3));
+    near(bounds.load_transfer, 0.2);
+    let endless = Spec::from_toml("uncertainty.friction = [10, 10]").unwrap();
+    assert_eq!(endless.uncertainty.bounds().friction, None);
+    // What nobody states is known, but for the transfer of load and tyres that end.
+    let bounds = Spec::default().uncertainty.bounds();
+    assert_eq!((bounds.friction, bounds.load_transfer), (Some(1.0), 0.1));
+    assert_eq!((bounds.steering_ratio, bounds.v_x_scale), (0.0, 0.0));
+    assert_eq!((bounds.steering_offset_rad, bounds.yaw_rate_bias_rad_per_s), (0.0, 0.0));
+}
+
 /// The message for a specification that shall be refused.
 fn refusal(text: &str) -> String {
     Spec::from_toml(text).expect_err(text).to_string()
@@ -133,7 +205,30 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             "evaluation.threshold = 'adaptativ'",
             &["`evaluation.threshold`", "calibrated", "adaptive"],
         ),
+        ("actuator.angle_limit_deg = 0.5", &["`actuator.angle_limit_deg` = 0.5", "from 1 to 90"]),
+        ("actuator.angle_limit_deg = 91", &["`actuator.angle_limit_deg` = 91.0", "from 1 to 90"]),
+        ("actuator.angle_limit_rad = 0.6", &["did you mean `angle_limit_deg`?", "unit"]),
+        (
+            "actuator.angle_limit_deg = 15",
+            &["`actuator.angle_limit_deg` = 15.0", "15.3 or more", "3 m/s^2 at 5.5 m/s"],
+        ),
+        // Sensors.
+        ("sensors.steering_ratio = 0", &["`sensors.steering_ratio` = 0.0", "from 0.1 to 100"]),
+        (
+            "sensors.steering_offset_deg = 11",
+            &["`sensors.steering_offset_deg` = 11.0", "from -10 to 10"],
+        ),
+        (
+            "sensors.yaw_rate_bias_deg_per_s = -11",
+            &["`sensors.yaw_rate_bias_deg_per_s` = -11.0", "from -10 to 10"],
+        ),
+        ("sensors.steering_offset = 1", &["did you mean `steering_offset_deg`?"]),
         // Vehicle.
+        (
+            "vehicle.centre_of_gravity_height_m = -0.1",
+            &["`vehicle.centre_of_gravity_height_m` = -0.1", "from 0 to 3"],
+        ),
+        ("vehicle.centre_of_gravity_height_m = 3.1", &["= 3.1", "from 0 to 3"]),
         ("vehicle.mass_kg = 0", &["`vehicle.mass_kg` = 0.0", "> 0"]),
         ("vehicle.yaw_inertia_kg_m2 = -1", &["`vehicle.yaw_inertia_kg_m2` = -1.0"]),
         ("vehicle.front_axle_distance_m = nan", &["`vehicle.front_axle_distance_m` = NaN"]),
@@ -194,6 +289,20 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("design.beta_fraction = 1.01", &["`design.beta_fraction` = 1.01"]),
         ("evaluation.window_samples = 257", &["= 257", "from 1 to 256"]),
         ("evaluation.window_samples = 0", &["= 0", "from 1 to 256"]),
+        ("evaluation.window_s = 0", &["`evaluation.window_s` = 0.0", "> 0"]),
+        (
+            "evaluation.window_s = 2.57",
+            &["`evaluation.window_s` = 2.57", "from 0.01 to 2.56, 1 to 256 samples"],
+        ),
+        (
+            "sampling.period_s = 0.001\nevaluation.window_s = 0.4",
+            &["`evaluation.window_s` = 0.4", "from 0.001 to 0.256, 1 to 256 samples"],
+        ),
+        (
+            "evaluation.window_s = 0.4\nevaluation.window_samples = 40",
+            &["`evaluation.window_samples` = 40", "nothing beside `window_s`", "one of the two"],
+        ),
+        ("evaluation.alarm_hold_s = -1", &["`evaluation.alarm_hold_s` = -1.0", "from 0 to 3600"]),
         ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
         ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
         (
@@ -216,6 +325,32 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             "uncertainty.mass_percent = [5, 10]",
             &["`uncertainty.mass_percent` = [5.0, 10.0]", "min <= 0 <= max"],
         ),
+        (
+            "uncertainty.steering_ratio_percent = [1, 2]",
+            &["`uncertainty.steering_ratio_percent` = [1.0, 2.0]", "-50 <= min <= 0 <= max <= 100"],
+        ),
+        (
+            "uncertainty.steering_offset_deg = -1",
+            &["`uncertainty.steering_offset_deg` = -1.0", "from 0 to 10"],
+        ),
+        (
+            "uncertainty.yaw_rate_bias_deg_per_s = 11",
+            &["`uncertainty.yaw_rate_bias_deg_per_s` = 11.0", "from 0 to 10"],
+        ),
+        (
+            "uncertainty.v_x_scale_percent = 51",
+            &["`uncertainty.v_x_scale_percent` = 51.0", "from 0 to 50"],
+        ),
+        (
+            "uncertainty.load_transfer_percent = 101",
+            &["`uncertainty.load_transfer_percent` = 101.0", "from 0 to 100"],
+        ),
+        (
+            "uncertainty.friction = [0.8, 0.7]",
+            &["`uncertainty.friction` = [0.8, 0.7]", "0.05 <= min <= max <= 10", "wet 0.7"],
+        ),
+        ("uncertainty.friction = [0.01, 1]", &["`uncertainty.friction` = [0.01, 1.0]"]),
+        ("uncertainty.friction = 0.7", &["`uncertainty.friction`"]),
         ("uncertainty.bank_deg = -1", &["`uncertainty.bank_deg` = -1.0", "from 0 to 45"]),
         ("uncertainty.gust_m_per_s = nan", &["`uncertainty.gust_m_per_s` = NaN"]),
         ("uncertainty.gust_speed_m_per_s = 10", &["did you mean `gust_m_per_s`"]),
@@ -228,7 +363,7 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("evaluation.calibration.speeds = 0", &["calibration.speeds` = 0"]),
         ("evaluation.calibration.manoeuvres = []", &["calibration.manoeuvres` = 0"]),
         ("evaluation.calibration.manoeuvres = ['jump']", &["manoeuvres[0]", "jump", "weave"]),
-        ("evaluation.calibration.initial_v_y_m_per_s = [2]", &["= 2.0", "from -1.5 to 1.5"]),
+        ("evaluation.calibration.initial_v_y_m_per_s = [5]", &["= 5.0", "from -4 to 4"]),
         ("evaluation.calibration.duration_s = 1", &["duration_s` = 1.0"]),
         (
             "[evaluation.calibration]\nspeeds = 100\ndisturbance_phases = 100",

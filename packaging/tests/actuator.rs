@@ -21,6 +21,9 @@ use fmu::open;
 
 /// The paper's design, with few drives in the calibration.
 const PAPER: &str = r#"
+    vehicle.centre_of_gravity_height_m = 0
+    operating_range.v_y_m_per_s = [-1.5, 1.5]
+    operating_range.r_rad_per_s = [-0.55, 0.55]
     noise.v_x.white_std_m_per_s = 0
     noise.r.white_std_rad_per_s = 0
     design.method = "paper"
@@ -98,6 +101,11 @@ fn a_modelled_actuator_is_no_fault_and_one_left_out_is_a_large_one() {
     for (spec, actuator, least_deg) in [
         ("actuator.lag_s = 0.1", Actuator { lag_s: 0.1, ..Actuator::NONE }, 1.0),
         ("actuator.delay_s = 0.037", Actuator { delay_s: 0.037, ..Actuator::NONE }, 0.4),
+        (
+            "actuator.angle_limit_deg = 6",
+            Actuator { angle_limit_rad: Some(6_f64.to_radians()), ..Actuator::NONE },
+            0.4,
+        ),
         (
             "actuator.rate_limit_rad_per_s = 0.15",
             Actuator { rate_limit_rad_per_s: Some(0.15), ..Actuator::NONE },

@@ -7,7 +7,7 @@ mod common;
 mod fmu;
 
 use steerguard::campaign::drive::Drive;
-use steerguard::campaign::settings::{FaultMix, Sensors, Settings, Subject, Uncertainty};
+use steerguard::campaign::settings::{FaultMix, Mix, Sensors, Settings, Subject, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
 use steerguard::drive::cosimulation::Sample;
 use steerguard::drive::scenario::SensorNoise;
@@ -35,8 +35,10 @@ const SETTINGS: Settings = Settings {
     seed: 1,
     drives: 30,
     duration_s: 10.0,
+    mix: Mix::Standard,
     faults: FaultMix::Mixed,
     fault_deg: [0.1, 2.0],
+    large_fault_deg: None,
     uncertainty: Uncertainty { bounds: UncertaintyTable::DEFAULT, saturation: true },
     sensors: Sensors {
         v_x_noise_m_per_s: 0.02,
@@ -95,7 +97,8 @@ fn steps_allocate_nothing() {
 /// The plant has the actuator of the drive: one that the detector does not know of shows.
 #[test]
 fn drives_are_driven_through_their_actuator() {
-    let actuator = Actuator { lag_s: 0.1, delay_s: 0.05, rate_limit_rad_per_s: Some(0.2) };
+    let actuator =
+        Actuator { lag_s: 0.1, delay_s: 0.05, rate_limit_rad_per_s: Some(0.2), ..Actuator::NONE };
     let (mut knowing, unaware) = (common::design(), bench());
     knowing.configuration.actuator = actuator;
     let knowing = TestBench {

@@ -19,7 +19,8 @@ use steerguard_world::{Gusts, Tyres};
 
 use fmu::open;
 
-const ACTUATOR: Actuator = Actuator { lag_s: 0.05, delay_s: 0.03, rate_limit_rad_per_s: Some(0.5) };
+const ACTUATOR: Actuator =
+    Actuator { lag_s: 0.05, delay_s: 0.03, rate_limit_rad_per_s: Some(0.5), angle_limit_rad: None };
 
 fn bench() -> TestBench {
     TestBench {

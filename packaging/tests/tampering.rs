@@ -142,6 +142,60 @@ edits! {
     air_density: |d| change(d, "/constants/air_density_kg_per_m3", |x| 0.5 * x)
         => "`constants.air_density_kg_per_m3`";
     gravity: |d| change(d, "/constants/gravity_m_per_s2", |_| 9.81) => "gravity";
+    alarm_hold: |d| set(d, "/detector/evaluation/alarm_hold_s", json!(0.0))
+        => "`detector.evaluation.alarm_hold_s`";
+    friction: |d| set(d, "/detector/deviations/uncertainty/friction", json!(0.5))
+        => "`detector.deviations.uncertainty.friction`";
+    load_transfer: |d| set(d, "/detector/deviations/uncertainty/load_transfer", json!(0.0))
+        => "`detector.deviations.uncertainty.load_transfer`";
+    steering_ratio: |d| set(d, "/detector/deviations/uncertainty/steering_ratio", json!(0.1))
+        => "`detector.deviations.uncertainty.steering_ratio`";
+    uncertainty_of_the_steering_offset: |d| set(d, "/detector/deviations/uncertainty/steering_offset_rad", json!(0.1))
+        => "`detector.deviations.uncertainty.steering_offset_rad`";
+    uncertainty_of_the_yaw_rate_bias: |d| set(d, "/detector/deviations/uncertainty/yaw_rate_bias_rad_per_s", json!(0.1))
+        => "`detector.deviations.uncertainty.yaw_rate_bias_rad_per_s`";
+    v_x_scale: |d| set(d, "/detector/deviations/uncertainty/v_x_scale", json!(0.1))
+        => "`detector.deviations.uncertainty.v_x_scale`";
+    steering_offset: |d| set(d, "/detector/zero/steering_offset_rad", json!(0.1))
+        => "`detector.zero.steering_offset_rad`";
+    yaw_rate_bias: |d| set(d, "/detector/zero/yaw_rate_bias_rad_per_s", json!(0.1))
+        => "`detector.zero.yaw_rate_bias_rad_per_s`";
+    stale_after: |d| set(d, "/detector/staleness/after_s", json!(0.0))
+        => "`detector.staleness.after_s`";
+    v_x_jump: |d| set(d, "/detector/staleness/v_x_jump_m_per_s", json!(0.0))
+        => "`detector.staleness.v_x_jump_m_per_s`";
+    r_jump: |d| set(d, "/detector/staleness/r_jump_rad_per_s", json!(0.0))
+        => "`detector.staleness.r_jump_rad_per_s`";
+    angle_limit: |d| set(d, "/detector/actuator/angle_limit_rad", json!(0.5))
+        => "`detector.actuator.angle_limit_rad`";
+    height: |d| set(d, "/detector/model/vehicle/centre_of_gravity_height_m", json!(0.0))
+        => "`detector.model.vehicle`";
+    specified_alarm_hold: |d| set(d, "/spec/evaluation/alarm_hold_s", json!(0.0))
+        => "`detector.evaluation.alarm_hold_s`";
+    specified_friction: |d| set(d, "/spec/uncertainty/friction", json!([0.5, 1.0]))
+        => "`detector.deviations.uncertainty.friction`";
+    specified_load_transfer: |d| set(d, "/spec/uncertainty/load_transfer_percent", json!(20.0))
+        => "`detector.deviations.uncertainty.load_transfer`";
+    specified_steering_ratio: |d| set(d, "/spec/uncertainty/steering_ratio_percent", json!([0.0, 5.0]))
+        => "`detector.deviations.uncertainty.steering_ratio`";
+    specified_uncertainty_of_the_steering_offset: |d| set(d, "/spec/uncertainty/steering_offset_deg", json!(0.1))
+        => "`detector.deviations.uncertainty.steering_offset_rad`";
+    specified_uncertainty_of_the_yaw_rate_bias: |d| set(d, "/spec/uncertainty/yaw_rate_bias_deg_per_s", json!(0.1))
+        => "`detector.deviations.uncertainty.yaw_rate_bias_rad_per_s`";
+    specified_v_x_scale: |d| set(d, "/spec/uncertainty/v_x_scale_percent", json!(1.0))
+        => "`detector.deviations.uncertainty.v_x_scale`";
+    specified_steering_offset: |d| set(d, "/spec/sensors/steering_offset_deg", json!(0.1))
+        => "`detector.zero.steering_offset_rad`";
+    specified_yaw_rate_bias: |d| set(d, "/spec/sensors/yaw_rate_bias_deg_per_s", json!(0.1))
+        => "`detector.zero.yaw_rate_bias_rad_per_s`";
+    specified_angle_limit: |d| set(d, "/spec/actuator/angle_limit_deg", json!(35.0))
+        => "`detector.actuator.angle_limit_rad`";
+    specified_height: |d| set(d, "/spec/vehicle/centre_of_gravity_height_m", json!(0.0))
+        => "`detector.model.vehicle`";
+    specified_window: |d| d["spec"]["evaluation"]["window_s"] = json!(0.5)
+        => "`detector.evaluation.window`";
+    specified_window_in_samples: |d| d["spec"]["evaluation"]["window_samples"] = json!(41)
+        => "`detector.evaluation.window`";
     actuator: |d| change(d, "/detector/actuator/lag_s", |_| 0.05) => "`detector.actuator`";
     gains_of_a_rule: |d| change(d, "/detector/gains/n/2/1/1", |x| x + 1e-7)
         => "`detector.gains.n[2]`";
@@ -162,9 +216,11 @@ fn campaign_verifies_first() {
 #[test]
 fn designs_of_another_age_or_none_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let older = DESIGN.replacen("steerguard-design/2", "steerguard-design/1", 1);
+    let oldest = DESIGN.replacen("steerguard-design/3", "steerguard-design/1", 1);
+    let older = DESIGN.replacen("steerguard-design/3", "steerguard-design/2", 1);
     for (text, part) in [
-        (&*older, "a design of format \"steerguard-design/1\""),
+        (&*oldest, "a design of format \"steerguard-design/1\""),
+        (&*older, "a design of format \"steerguard-design/2\""),
         ("", "an empty file is no design"),
         (" \n", "an empty file is no design"),
         (&DESIGN[..DESIGN.len() / 2], "cut short"),
@@ -204,7 +260,7 @@ fn a_design_is_made_anew_from_the_specification_inside_an_old_one() {
     success(path, &["verify", "new.json"]);
     let new: Value =
         serde_json::from_str(&fs::read_to_string(path.join("new.json")).unwrap()).unwrap();
-    assert_eq!(new["format"], "steerguard-design/2");
+    assert_eq!(new["format"], "steerguard-design/3");
     assert_eq!(new["spec"]["evaluation"]["calibration"], few);
 
     // Nothing is written over what is read, under whatever name.

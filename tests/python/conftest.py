@@ -2,6 +2,7 @@
 
 import json
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,63 @@ def example(request, fixtures, tmp_path_factory):
     text = (fixtures / "examples" / f"{name}.json").read_text(encoding="utf-8")
     fmu = Fmu(fixtures / "examples" / f"{name}.fmu", tmp_path_factory.mktemp(name))
     return fmu, Reference(json.loads(text))
+
+
+# Every deviation that the detector knows, every limit of the actuator and both zeros, on the method that
+# designs in seconds.
+EVERYTHING = """
+[vehicle]
+centre_of_gravity_height_m = 0.6
+
+[operating_range]
+v_x_m_per_s = [5.0, 30.0]
+v_y_m_per_s = [-1.5, 1.5]
+r_rad_per_s = [-0.55, 0.55]
+
+[sensors]
+steering_offset_deg = 0.4
+yaw_rate_bias_deg_per_s = -0.3
+
+[actuator]
+lag_s = 0.06
+delay_s = 0.033
+rate_limit_rad_per_s = 0.3
+angle_limit_deg = 2.5
+
+[uncertainty]
+actuator_lag_s = 0.02
+actuator_delay_s = 0.015
+steering_ratio_percent = [-2.0, 3.0]
+steering_offset_deg = 0.2
+yaw_rate_bias_deg_per_s = 0.1
+v_x_scale_percent = 1.0
+friction = [0.5, 1.0]
+front_cornering_stiffness_percent = [-25.0, 20.0]
+rear_cornering_stiffness_percent = [-30.0, 10.0]    # reference motions are drawn from 23 m/s on
+
+[design]
+method = "paper"
+
+[evaluation]
+debounce_samples = 2
+alarm_hold_s = 0.5
+
+[evaluation.calibration]
+speeds = 3
+manoeuvres = ["straight", "weave"]
+duration_s = 4.0
+"""
+
+
+@pytest.fixture(scope="session")
+def everything(steerguard, tmp_path_factory):
+    """Detector and reference of a design in which every deviation acts."""
+    folder = tmp_path_factory.mktemp("everything")
+    spec, design, fmu = (folder / f"everything.{kind}" for kind in ("toml", "json", "fmu"))
+    spec.write_text(EVERYTHING, encoding="utf-8")
+    for step in (["design", spec, "-o", design], ["package", design, "-o", fmu]):
+        subprocess.run([steerguard, *step], check=True, capture_output=True)
+    return Fmu(fmu, folder / "fmu"), Reference(json.loads(design.read_text(encoding="utf-8")))
 
 
 @pytest.fixture(scope="session")

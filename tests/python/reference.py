@@ -6,26 +6,49 @@ Its numbers come from a design file, so a design file that does not mean what it
 Conventions
 - Axes ISO 8855, SI units; sample k holds the measurement y = [v_x, r] and the input
   u = [T_eng, delta]; arrays have one row for each sample.
-- The observer is a recursion and is written as one. Everything after it, from the window to the
-  latch, is computed on whole arrays, episode by episode: an episode begins where the observer starts.
+- Observer, reference motions, actuator and alarm are recursions and are written as such. What lies
+  between is computed on whole arrays, episode by episode: an episode begins where the observer starts.
 
 Behaviour stated here and nowhere in the equations
-- A sample is valid if its four numbers are finite and smaller than 1e9. An invalid one holds all
-  results, and the observer starts anew at the next valid sample.
-- Outside S_x (measured v_x or r) no observer runs: residual, estimate and J are 0, no alarm.
-- The observer starts, and alarms are given, from the first sample inside the armed range, which is
-  S_x less a hysteresis. Start: z = M [v_x, 0, r]; the first sample of all may be given another z.
-- An estimate of v_y outside its range ends the alarms while the observer goes on; it starts anew
+- A sample is valid if its four numbers lie within their limits. An invalid one holds all results;
+  observer and reference motions start anew at the next valid sample. The actuator goes on, by the last
+  valid command.
+- Zeros of sensors are subtracted from what is valid.
+- Outside S_x (measured v_x or r) no observer runs: residual, estimate and J are 0.
+- The observer starts, and the residual is held against the threshold, from the first sample inside the
+  armed range, which is S_x less a hysteresis. Start: z = M [v_x, 0, r]; the first sample of all may be
+  given another z.
+- An estimate of v_y outside its range ends the monitoring while the observer goes on; it starts anew
   once estimate and measurement are back in the armed range.
+- Switched off, no observer runs, no alarm stands and no count is kept; reference motions go on.
+- v_x and r both unchanged for longer than a stated time, v_x in its range, are stale: observer and
+  window go on, detectability is 0. Where they then jump, observer and motions start anew.
+- Reference motions are followed while v_x lies in its range, from the first measurement on.
+- Alarm by range: r or the estimate of v_y lies outside S_x and all reference motions, followed for more
+  than a window, lie in the armed range.
+- Samples that raise an alarm are counted; one that monitors without raising it ends the count, one that
+  can tell nothing leaves it. An alarm ends once J has stayed below 0.8 J_th for a stated time, in
+  consecutive samples that monitor; one that is invalid interrupts nothing.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-STARTING, MONITORING, OUT_OF_RANGE, INVALID_INPUT = 1, 2, 3, 4
-LARGEST_MAGNITUDE = 1e9
+STARTING, MONITORING, OUT_OF_RANGE, INVALID_INPUT, DISABLED, STALE_INPUT = range(1, 7)
+# Items of state_cause; an invalid or outlying signal has its own, in the order of the inputs.
+NOTHING, SPEED, YAW_RATE, DRIVE_TORQUE, STEERING_ANGLE, LATERAL_SPEED, UNCHANGED, NOT_ENABLED = range(
+    1, 9
+)
+NO_ALARM, RESIDUAL, RANGE = 1, 2, 3  # items of alarm_cause
+
+LIMITS = np.array([150.0, 20.0, 1e6, 1.6])  # of v_x, r, T_eng, delta
+LARGEST_ESTIMATE = 1e9
 NO_ALARM_TIME = -1.0
+GRAVITY = 9.80665
+ACCELERATION_FILTER_S = 0.15
+DRAWN_FROM, DRAW_PER_S = 0.6, 15.0  # of reference motions, by the critical speed
+RELEASE = 0.8
 
 
 @dataclass
@@ -39,7 +62,9 @@ class Outputs:
     detectability: np.ndarray
     alarm: np.ndarray
     alarm_latched: np.ndarray
+    alarm_cause: np.ndarray
     state: np.ndarray
+    state_cause: np.ndarray
 
     def first_alarm_sample(self):
         """Index of the sample that raised the first alarm, or None."""
@@ -61,7 +86,9 @@ class Outputs:
             "alarm": self.alarm,
             "alarm_latched": self.alarm_latched,
             "first_alarm_time": np.where(self.alarm_latched, first_time, NO_ALARM_TIME),
+            "alarm_cause": self.alarm_cause,
             "state": self.state,
+            "state_cause": self.state_cause,
         }
 
 
@@ -72,6 +99,63 @@ def windowed_rms(norms, window):
     return np.sqrt(windows.mean(axis=1))
 
 
+def within(values, ends):
+    """Which `values` lie in the closed interval `ends`; NaN in none."""
+    return (ends[0] <= values) & (values <= ends[1])
+
+
+@dataclass
+class Actuator:
+    """Dead time, then a lag of limited speed, then end stops (method 2)."""
+
+    lag: float
+    delay: float
+    rate_limit: float  # inf for none
+    angle_limit: float
+
+    def angles(self, commands, period):
+        """Mean road-wheel angle of each sample; `commands` NaN where none was valid.
+
+        Each sample's command is delayed, so two of them act in a sample: the earlier for the odd part
+        of the dead time. The angle starts settled at the first command, and an invalid one leaves the
+        last standing.
+        """
+        known = ~np.isnan(commands)
+        if not known.any():
+            return np.zeros(len(commands))
+        begin = int(np.argmax(known))
+        last = np.maximum.accumulate(np.where(known, np.arange(len(commands)), -1))
+        acting = np.clip(commands[last[begin:]], -self.angle_limit, self.angle_limit)
+        whole = int(self.delay / period)
+        odd = self.delay - whole * period
+        delayed = np.concatenate([np.full(whole + 1, acting[0]), acting])
+        angle, means = acting[0], np.zeros(len(commands))
+        for k in range(len(acting)):
+            angle, before = self._turn(angle, delayed[k], odd)
+            angle, after = self._turn(angle, delayed[k + 1], period - odd)
+            means[begin + k] = (before + after) / period
+        return means
+
+    def _turn(self, angle, command, duration):
+        """The angle after `duration` under a held command, and its integral.
+
+        dx/dt = (command - x) / lag, at most the limit: a ramp while the distance exceeds limit times
+        lag, an exponential from there on.
+        """
+        integral = 0.0
+        distance = command - angle
+        if np.isfinite(self.rate_limit) and abs(distance) > self.rate_limit * self.lag:
+            ramp = min(abs(distance) / self.rate_limit - self.lag, duration)
+            end = angle + np.sign(distance) * self.rate_limit * ramp
+            integral, angle, duration = (angle + end) / 2 * ramp, end, duration - ramp
+            distance = command - angle
+        left = np.exp(-duration / self.lag) if self.lag > 0 else 0.0
+        if duration > 0:
+            integral += command * duration - distance * self.lag * (1 - left)
+            angle = command - distance * left
+        return angle, integral
+
+
 @dataclass
 class Uncertainty:
     """Bounds of `spec.uncertainty`: relative deviations, bank in m/s^2, gusts (method 6)."""
@@ -80,29 +164,74 @@ class Uncertainty:
     yaw_inertia: float
     front: float
     rear: float
+    friction: float  # inf for tyres without end
+    load_transfer: float
     bank: float
     gust_speed: float
     gust_coefficient: float
     gust_ahead: float
+    actuator_lag: float
+    actuator_delay: float
+    steering_ratio: float
+    steering_offset: float
+    yaw_rate_bias: float
+    v_x_scale: float
 
     @classmethod
     def of(cls, spec):
-        def inertia(key):  # 1 / (1 + p) - 1
+        def inverse(key):  # 1 / (1 + p) - 1
             return max(abs(100 / (100 + percent) - 1) for percent in spec[f"{key}_percent"])
 
         def stiffness(key):
             return max(abs(percent) for percent in spec[f"{key}_cornering_stiffness_percent"]) / 100
 
         return cls(
-            inertia("mass"),
-            inertia("yaw_inertia"),
+            inverse("mass"),
+            inverse("yaw_inertia"),
             stiffness("front"),
             stiffness("rear"),
-            9.80665 * np.sin(np.radians(spec["bank_deg"])),
+            spec["friction"][0] if spec["friction"][0] < 10 else np.inf,
+            spec["load_transfer_percent"] / 100,
+            GRAVITY * np.sin(np.radians(spec["bank_deg"])),
             spec["gust_m_per_s"],
             0.5 * 1.2 * spec["frontal_area_m2"] * spec["side_force_per_rad"],
             spec["gust_acting_ahead_m"],
+            spec["actuator_lag_s"],
+            spec["actuator_delay_s"],
+            inverse("steering_ratio"),
+            np.radians(spec["steering_offset_deg"]),
+            np.radians(spec["yaw_rate_bias_deg_per_s"]),
+            spec["v_x_scale_percent"] / 100,
         )
+
+
+@dataclass
+class Followed:
+    """Where reference motions are at each sample, and what the measured speed says beside.
+
+    `motions` n x 3 x 2 is [v_y, r] before the sample's own command acts; `since` counts the samples that
+    they are followed, 0 where they are not; `a_x` is the longitudinal acceleration.
+    """
+
+    motions: np.ndarray
+    since: np.ndarray
+    a_x: np.ndarray
+
+
+@dataclass
+class Observed:
+    """What the observer gives at each sample.
+
+    `episode` is the sample at which it started, -1 where none runs; `armed` whether it monitors; the
+    rest is x^, what is known to depart from the model, and ||W_r r|| of uncertainties and fault.
+    """
+
+    episode: np.ndarray
+    armed: np.ndarray
+    x_hat: np.ndarray
+    known: np.ndarray
+    uncertain: np.ndarray
+    fault: np.ndarray
 
 
 class Reference:
@@ -120,11 +249,13 @@ class Reference:
         self.c_r = vehicle["rear_cornering_stiffness_n_per_rad"]
         self.c_x = vehicle["longitudinal_drag_n_m_s2_per_m2"]
         self.c_y = vehicle["lateral_drag_n_s2_per_m2"]
+        self.height = vehicle["centre_of_gravity_height_m"]
         self.period = told["model"]["sampling_period_s"]
 
         ranges = [told["model"]["range"][name] for name in ("v_x", "v_y", "r")]
         self.bounds = np.array([[ends["min"], ends["max"]] for ends in ranges])
         self.hysteresis = np.array(told["hysteresis"])
+        self.armed_bounds = self.bounds + np.outer(self.hysteresis, [1, -1])
 
         self.A = np.array([vertex["A"] for vertex in design["vertices"]])
         self.N, self.L, self.M, self.E = (
@@ -141,11 +272,27 @@ class Reference:
         self.start_up_amplitude = evaluation["start_up_amplitude"]
         self.start_up_decay = evaluation["start_up_decay"]
         self.debounce = evaluation["debounce_samples"]
+        self.alarm_hold_s = evaluation["alarm_hold_s"]
         self.uncertainty_share = evaluation["uncertainty_share"]
+        staleness = told["staleness"]
+        self.stale_after_s = staleness["after_s"]
+        self.jumps = np.array([staleness["v_x_jump_m_per_s"], staleness["r_jump_rad_per_s"]])
 
         spec = design["spec"]
         self.euler_correction = spec["sampling"]["euler_correction"]
-        self.uncertainty = Uncertainty.of(spec["uncertainty"])
+        self.uncertainty = q = Uncertainty.of(spec["uncertainty"])
+        sensors, actuator = spec["sensors"], spec["actuator"]
+        self.steering_offset = np.radians(sensors["steering_offset_deg"])
+        self.yaw_rate_bias = np.radians(sensors["yaw_rate_bias_deg_per_s"])
+        rate_limit = actuator["rate_limit_rad_per_s"]
+        angle_limit = actuator["angle_limit_deg"]
+        limits = (
+            np.inf if rate_limit is None else rate_limit,
+            np.inf if angle_limit is None else np.radians(angle_limit),
+        )
+        lag, delay = actuator["lag_s"], actuator["delay_s"]
+        self.actuator = Actuator(lag, delay, *limits)
+        self.slowest = Actuator(lag + q.actuator_lag, delay + q.actuator_delay, *limits)
         fault = spec["fault"][0]
         torque = fault["channel"] == "torque"
         smallest = fault["smallest_n_m"] if torque else np.radians(fault["smallest_deg"])
@@ -194,19 +341,28 @@ class Reference:
         z_next = blended + self.M @ (self.consequent(y) + self.B @ u + self.G * x_hat[1] ** 2)
         return x_hat, z_next
 
-    def slope(self, x, u):
-        """x' of (1)-(2), and the axle forces, N."""
+    def axle_forces(self, x, delta):
+        """Of linear tyres at their static load, [front, rear] in N (2)."""
         v_x, v_y, r = x
-        front = 2 * self.c_f * (u[1] - (v_y + self.l_f * r) / v_x)
-        rear = 2 * self.c_r * (self.l_r * r - v_y) / v_x
-        slope = [
-            (u[0] - self.c_x * v_x**2) / self.longitudinal_inertia + v_y * r,
-            (front + rear - self.c_y * v_y**2) / self.mass - v_x * r,
-            (self.l_f * front - self.l_r * rear) / self.yaw_inertia,
-        ]
-        return np.array(slope), front, rear
+        slip = [delta - (v_y + self.l_f * r) / v_x, (self.l_r * r - v_y) / v_x]
+        return 2 * np.array([self.c_f, self.c_r]) * slip
 
-    def jacobian(self, x, u):
+    def by_forces(self, forces, mass=0.0, yaw_inertia=0.0):
+        """x' of axle forces; of a vehicle lighter and easier to turn by these shares of 1/M_v, 1/I_z."""
+        front, rear = forces
+        lateral = (1 + mass) * (front + rear) / self.mass
+        return np.array(
+            [0, lateral, (1 + yaw_inertia) * (self.l_f * front - self.l_r * rear) / self.yaw_inertia]
+        )
+
+    def slope(self, x, u):
+        """x' of (1)-(2)."""
+        v_x, v_y, r = x
+        along = (u[0] - self.c_x * v_x**2) / self.longitudinal_inertia
+        turning = [along + v_y * r, -self.c_y * v_y**2 / self.mass - v_x * r, 0]
+        return turning + self.by_forces(self.axle_forces(x, u[1]))
+
+    def jacobian(self, x):
         """Of the slope by x; the axle forces depend on v_x by their slip angles."""
         v_x, v_y, r = x
         c_f, c_r, l_f, l_r = 2 * self.c_f / v_x, 2 * self.c_r / v_x, self.l_f, self.l_r
@@ -221,111 +377,360 @@ class Reference:
             ]
         )
 
-    def deviations(self, x, u):
-        """w of Euler's remainder, of each uncertainty, and of the smallest fault: 8 x 3."""
-        slope, front, rear = self.slope(x, u)
-        remainder = self.euler_correction * self.period**2 / 2 * self.jacobian(x, u) @ slope
-        q, m, i_z = self.uncertainty, self.mass, self.yaw_inertia
-        wind = q.gust_coefficient * q.gust_speed * np.hypot(x[0], q.gust_speed)
-        along = np.array([slope[0] - x[1] * x[2], slope[1] + x[0] * x[2], 0])  # forces over masses
-        uncertain = [
-            q.mass * along,
-            [0, 0, q.yaw_inertia * slope[2]],
-            q.front * front * np.array([0, 1 / m, self.l_f / i_z]),
-            q.rear * rear * np.array([0, 1 / m, -self.l_r / i_z]),
-            [0, q.bank, 0],
-            wind * np.array([0, 1 / m, q.gust_ahead / i_z]),
-        ]
-        return np.vstack([remainder, self.period * np.array(uncertain), self.smallest_fault])
+    def load_transfer(self, x, delta, a_x):
+        """x' of what cornering stiffness, in proportion to axle load, gains and loses (method 2)."""
+        front, rear = self.axle_forces(x, delta)
+        moved = self.mass * a_x * self.height / (self.l_f + self.l_r)  # from front to rear, N
+        static = self.mass * GRAVITY / (self.l_f + self.l_r) * np.array([self.l_r, self.l_f])
+        return self.by_forces([-front * moved / static[0], rear * moved / static[1]])
 
-    def run(self, y, u, *, threshold_factor=1.0, debounce=None, z_0=None):
-        """The results of samples `y` (n x 2), `u` (n x 2); `z_0` starts the first sample."""
-        y, u = np.asarray(y, dtype=float), np.asarray(u, dtype=float)
-        valid, episode, armed, x_hat, responses = self._observe(y, u, z_0)
-        return self._decide(
-            y, valid, episode, armed, x_hat, responses, threshold_factor, debounce or self.debounce
+    def critical_speed(self):
+        """Of the worst vehicle stated, m/s; inf where none oversteers.
+
+        There the linear single-track model has a real root at 0: M' v^2 (C_f l_f - C_r l_r) =
+        2 C_f C_r L^2. No bound takes more than nine tenths of stiffness or 1/M' away.
+        """
+        q = self.uncertainty
+        c_f, c_r = (1 + q.front) * self.c_f, max(1 - q.rear, 0.1) * self.c_r
+        heaviest = self.mass / max(1 - q.mass, 0.1)
+        oversteer = heaviest * (c_f * self.l_f - c_r * self.l_r)
+        if oversteer <= 0:
+            return np.inf
+        return np.sqrt(2 * c_f * c_r * (self.l_f + self.l_r) ** 2 / oversteer)
+
+    def lateral_model(self, v_x, front, rear, draw):
+        """A and B of [v_y, r]' = A [v_y, r] + B [delta, measured r], linear tyres (method 6)."""
+        c_f, c_r, l_f, l_r = 2 * front * self.c_f, 2 * rear * self.c_r, self.l_f, self.l_r
+        inertia = np.array([self.mass, self.yaw_inertia])
+        by_slip = np.array([[c_f, c_r], [l_f * c_f, -l_r * c_r]]) / inertia[:, None]
+        slip = np.array([[-1, -l_f], [-1, l_r]]) / v_x  # front, rear by v_y, r
+        A = by_slip @ slip + [[0, -v_x], [0, -draw]]
+        return A, np.array([[by_slip[0, 0], 0], [by_slip[1, 0], draw]])
+
+    def follow(self, valid, y, delta, jumped):
+        """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
+        n, t = len(y), self.period
+        motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
+        critical, q = self.critical_speed(), self.uncertainty
+        c_f, c_r = [1 - min(q.front, 0.9), 1 + q.front], [1 - min(q.rear, 0.9), 1 + q.rear]
+        factors = [(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])]
+        followed, x, filtered = 0, None, 0.0
+        for k in range(n):
+            v_x, r = y[k]
+            if not valid[k] or not within(v_x, self.bounds[0]):
+                followed = 0
+                continue
+            if followed == 0 or jumped[k]:
+                followed, x, filtered = 0, np.array([[0.0, r]] * 3), v_x
+            followed += 1
+            motions[k], since[k] = x, followed
+            # First-order filter, implicit Euler: (v - v_f+) / tau is the acceleration.
+            smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
+            a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
+            filtered = smoothed
+            share = np.clip((v_x / critical - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
+            for i, (front, rear) in enumerate(factors):
+                A, B = self.lateral_model(v_x, front, rear, DRAW_PER_S * share)
+                half = t / 2 * A
+                right = (np.eye(2) + half) @ x[i] + t * B @ [delta[k], r]
+                x[i] = np.linalg.solve(np.eye(2) - half, right)
+        return Followed(motions, since, a_x)
+
+    def along(self, x, u):
+        """x' that each cause adds which acts where a vehicle that obeys would be: 5 x 3."""
+        q = self.uncertainty
+        forces = self.axle_forces(x, u[1])
+        wheelbase = self.l_f + self.l_r
+        holds = q.friction * self.mass * GRAVITY * np.array([self.l_r, self.l_f]) / wheelbase
+        # 1 - tanh(s) / s by the convergent of tanh with s^4 below, which lies above.
+        square = np.square(forces / holds)
+        missing = square * (35 + square) / (105 + 45 * square + square**2)
+        v_x, v_y, r = x
+        slope = self.slope(x, u) - [v_y * r, -v_x * r, 0]  # what forces and torque do
+
+        def of(front, rear):
+            return self.by_forces([front, rear], q.mass, q.yaw_inertia)
+
+        return np.array(
+            [
+                q.mass * slope * [1, 1, 0],
+                q.yaw_inertia * slope * [0, 0, 1],
+                of(q.front * forces[0], 0),
+                of(0, q.rear * forces[1]),
+                of(*(-missing * forces)),
+            ]
         )
 
-    def _observe(self, y, u, z_0):
-        """Runs the observer.
+    def common(self, x, delta, behind, transfer):
+        """Likewise of each that acts wherever the vehicle is: 8 x 3.
 
-        Returns for each sample: whether it is valid; the sample at which its observer started, or
-        -1 where none runs; whether alarms are given; x^; and the error's responses (13) to the
-        deviations since the start, n x 8 x 3.
+        `behind` is the angle of the slowest actuator less that of the actuator.
         """
-        n = len(y)
+        q = self.uncertainty
+        wheelbase = self.l_f + self.l_r
+        gust = q.gust_coefficient * q.gust_speed * np.hypot(x[0], q.gust_speed)
+
+        def of(front, rear):
+            return self.by_forces([front, rear], q.mass, q.yaw_inertia)
+
+        def turned(angle):
+            return of(2 * self.c_f * angle, 0)
+
+        # Axle forces that hold bank and gust, on levers about the other axle.
+        levers = np.abs([self.l_r + q.gust_ahead, self.l_f - q.gust_ahead])
+        hold = (self.mass * q.bank * np.array([self.l_r, self.l_f]) + gust * levers) / wheelbase
+        push = gust * np.array([0, 1 / self.mass, q.gust_ahead / self.yaw_inertia])
+        return np.array(
+            [
+                q.load_transfer * transfer,
+                [0, q.bank, 0],
+                push * [0, 1 + q.mass, 1 + q.yaw_inertia],
+                turned(behind),
+                turned(q.steering_ratio * delta),
+                turned(q.steering_offset),
+                of(q.front * hold[0], 0),
+                of(0, q.rear * hold[1]),
+            ]
+        )
+
+    def sensed(self, v_x):
+        """What each cause that acts on the measurement adds to it: 2 x 2."""
+        return np.array([[0, self.uncertainty.yaw_rate_bias], [self.uncertainty.v_x_scale * v_x, 0]])
+
+    def sizes(self, e):
+        """||W_r C e|| along the last axis of `e`."""
+        return np.linalg.norm(e @ self.C.T * self.weights, axis=-1)
+
+    def run(
+        self,
+        y,
+        u,
+        *,
+        enabled=None,
+        threshold_factor=1.0,
+        debounce=None,
+        alarm_hold_s=None,
+        steering_offset=None,
+        yaw_rate_bias=None,
+        stale_after_s=None,
+        z_0=None,
+    ):
+        """The results of samples `y` (n x 2), `u` (n x 2), `enabled` (n); `z_0` starts the first sample."""
+
+        def chosen(given, own):
+            return own if given is None else given
+
+        y, u = np.array(y, dtype=float), np.array(u, dtype=float)
+        enabled = np.ones(len(y), dtype=bool) if enabled is None else np.asarray(enabled, dtype=bool)
+        signals = np.hstack([y, u])
         with np.errstate(invalid="ignore"):
-            valid = np.all(np.abs(np.hstack([y, u])) < LARGEST_MAGNITUDE, axis=1)
-        v_x_r, v_y = self.bounds[[0, 2]], self.bounds[1]
-        margin, v_y_margin = self.hysteresis[[0, 2]], self.hysteresis[1]
-        inside = np.all((v_x_r[:, 0] <= y) & (y <= v_x_r[:, 1]), axis=1)
-        well_inside = np.all((v_x_r[:, 0] + margin <= y) & (y <= v_x_r[:, 1] - margin), axis=1)
+            proper = np.abs(signals) <= LIMITS
+        valid = proper.all(axis=1)
+        y[:, 1] -= chosen(yaw_rate_bias, self.yaw_rate_bias)
+        command = np.where(proper[:, 3], u[:, 1], np.nan)
+        command -= chosen(steering_offset, self.steering_offset)
+        u[:, 1] = self.actuator.angles(command, self.period)
+        behind = self.slowest.angles(command, self.period) - u[:, 1]
+        stale, jumped = self._compare(valid, y, chosen(stale_after_s, self.stale_after_s))
+        followed = self.follow(valid, y, u[:, 1], jumped)
+        runs = valid & enabled
+        observed = self._observe(runs, jumped, y, u, behind, followed, z_0)
+        invalid_signal = SPEED + np.argmin(proper, axis=1)
+        return self._decide(
+            valid,
+            invalid_signal,
+            enabled,
+            stale,
+            y,
+            followed,
+            observed,
+            threshold_factor,
+            chosen(debounce, self.debounce),
+            chosen(alarm_hold_s, self.alarm_hold_s),
+        )
+
+    def _compare(self, valid, y, after_s):
+        """Which samples are stale, and which end that with a jump."""
+        n = len(y)
+        stale, jumped = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        unchanged, last = 0, None
+        for k in np.flatnonzero(valid):
+            if k > 0 and not valid[k - 1]:
+                unchanged = 0
+            here = within(y[k, 0], self.bounds[0])
+            if last is not None and y[k].tobytes() == last.tobytes():
+                unchanged += 1
+            else:
+                was_stale = 0 < after_s < unchanged * self.period
+                jumped[k] = here and was_stale and (np.abs(y[k] - last) > self.jumps).any()
+                unchanged = 0
+            stale[k] = here and 0 < after_s < unchanged * self.period
+            last = y[k]
+        return stale, jumped
+
+    def _observe(self, runs, jumped, y, u, behind, followed, z_0):
+        """Runs the observer, and beside it what the error answers to deviations (13)."""
+        n = len(y)
+        inside = within(y[:, 0], self.bounds[0]) & within(y[:, 1], self.bounds[2])
+        well_inside = within(y[:, 0], self.armed_bounds[0]) & within(y[:, 1], self.armed_bounds[2])
 
         episode = np.full(n, -1)
         armed = np.zeros(n, dtype=bool)
-        x_hat, responses = np.zeros((n, 3)), np.zeros((n, 8, 3))
+        x_hat, known = np.zeros((n, 3)), np.zeros((n, 3))
+        uncertain, fault = np.zeros(n), np.zeros(n)
         z, start, is_armed, last_v_y = None, -1, False, 0.0
         for k in range(n):
-            if not valid[k] or not inside[k]:
-                z, start, is_armed = None, -1, False
+            if jumped[k]:
+                z, is_armed = None, False
+            if not runs[k] or not inside[k]:
+                z, is_armed = None, False
                 continue
-            returned = v_y[0] + v_y_margin <= last_v_y <= v_y[1] - v_y_margin
+            returned = within(last_v_y, self.armed_bounds[1])
             if not is_armed and well_inside[k] and (z is None or returned):
                 given = k == 0 and z_0 is not None
                 z = np.array(z_0) if given else self.M @ [y[k, 0], 0.0, y[k, 1]]
                 start, is_armed = k, True
-                response = np.zeros((8, 3))
-            if z is not None:
-                x_hat[k], z = self.observer_step(z, y[k], u[k])
-                responses[k] = response
-                n_of_h = np.tensordot(self.membership(y[k]), self.N, axes=1)
-                w = self.deviations([y[k, 0], x_hat[k, 1], y[k, 1]], u[k])
-                response = response @ n_of_h.T + w @ self.M.T
-                last_v_y = x_hat[k, 1]
-                is_armed = is_armed and bool(v_y[0] <= last_v_y <= v_y[1])
-                episode[k], armed[k] = start, is_armed
-        return valid, episode, armed, x_hat, responses
+                response = Responses()
+            if z is None:
+                continue
+            x_hat[k], z_next = self.observer_step(z, y[k], u[k])
+            if np.abs(x_hat[k]).max() >= LARGEST_ESTIMATE:
+                z, is_armed, last_v_y = None, False, 0.0
+                continue
+            z, last_v_y = z_next, x_hat[k, 1]
+            known[k], fault[k] = response.known, self.sizes(response.fault)
+            uncertain[k] = self._bound(response, y[k, 0])
+            self._respond(response, x_hat[k, 1], y[k], u[k], behind[k], followed, k)
+            is_armed = is_armed and bool(within(last_v_y, self.bounds[1]))
+            episode[k], armed[k] = start, is_armed
+        return Observed(episode, armed, x_hat, known, uncertain, fault)
 
-    def _decide(self, y, valid, episode, armed, x_hat, responses, factor, debounce):
-        n = len(y)
+    def _bound(self, response, v_x):
+        """What the uncertainties can do to ||W_r r|| at most: of the motions the one where it is most."""
+        shown = self.sensed(v_x) @ (self.E + self.C.T).T
+        return (
+            self.sizes(response.along).sum(axis=1).max()
+            + self.sizes(response.common).sum()
+            + self.sizes(response.sensed + shown).sum()
+        )
+
+    def _respond(self, response, v_y, y, u, behind, followed, k):
+        """Takes the responses on by sample `k`."""
+        t, x = self.period, np.array([y[0], v_y, y[1]])
+        h = self.membership(y)
+        N, L = np.tensordot(h, self.N, axes=1), np.tensordot(h, self.L, axes=1)
+        J = self.jacobian(x)
+        # Second-order hold: a slope d over a period leaves T_s d + T_s^2 / 2 J d.
+        held = self.M @ (np.eye(3) + self.euler_correction * t / 2 * J)
+        transfer = self.load_transfer(x, u[1], followed.a_x[k])
+        remainder = self.euler_correction * t**2 / 2 * J @ self.slope(x, u)
+        motions = [[y[0], *motion] for motion in followed.motions[k]]
+        along = np.array([self.along(motion, u) for motion in motions])
+        common = self.common(x, u[1], behind, transfer)
+        # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
+        K = t * J @ self.C.T
+        error = self.sensed(y[0])
+        response.known = N @ response.known + self.M @ remainder + held @ (t * transfer)
+        response.along = response.along @ N.T + t * along @ held.T
+        response.common = response.common @ N.T + t * common @ held.T
+        response.sensed = response.sensed @ N.T - error @ (L + self.M @ K).T
+        response.fault = N @ response.fault + held @ self.smallest_fault
+
+    def _decide(
+        self, valid, invalid_signal, enabled, stale, y, followed, observed, factor, debounce, hold_s
+    ):
+        n = len(valid)
+        episode, armed = observed.episode, observed.armed
         running = episode >= 0
-        answers = responses @ self.C.T  # n x 8 x 2
-        residual = np.where(running[:, None], y - x_hat @ self.C.T - answers[:, 0], 0.0)
+        residual = (y - observed.x_hat @ self.C.T) - observed.known @ self.C.T
+        residual = np.where(running[:, None], residual, 0.0)
         norms = np.linalg.norm(residual * self.weights, axis=1)
-        sizes = np.linalg.norm(answers * self.weights, axis=2)
         j_rms, term, uncertain, fault = (np.zeros(n) for _ in range(4))
         for start in np.unique(episode[running]):
             samples = np.flatnonzero(episode == start)  # without a gap
             j_rms[samples] = windowed_rms(norms[samples], self.window)
             decay = self.start_up_decay ** np.arange(len(samples))
             term[samples] = self.start_up_amplitude * windowed_rms(decay, self.window)
-            uncertain[samples] = windowed_rms(sizes[samples, 1:7].sum(axis=1), self.window)
-            fault[samples] = windowed_rms(sizes[samples, 7], self.window)
+            uncertain[samples] = windowed_rms(observed.uncertain[samples], self.window)
+            fault[samples] = windowed_rms(observed.fault[samples], self.window)
         j_th = factor * (self.threshold + term + self.uncertainty_share * uncertain)
+        v_y_hat = np.where(running, observed.x_hat[:, 1], 0.0)
+        monitors = armed & ~stale
 
-        exceeds = armed & (j_rms >= j_th)
-        # Consecutive exceedances within an episode: sample number less that of the last without.
-        numbers = np.arange(n)
-        broken = ~exceeds | (numbers == episode)
-        last_without = np.maximum.accumulate(
-            np.where(broken, np.where(exceeds, numbers - 1, numbers), -1)
-        )
-        alarm = exceeds & (numbers - last_without >= debounce)
-        state = np.where(armed, MONITORING, OUT_OF_RANGE)
+        # The first that holds is the state, and its cause.
+        place = np.column_stack([y[:, 0], y[:, 1], v_y_hat])
+        outside = [
+            (~within(place[:, i], bounds[j]), cause)
+            for bounds in (self.bounds, self.armed_bounds)
+            for i, (j, cause) in enumerate([(0, SPEED), (2, YAW_RATE), (1, LATERAL_SPEED)])
+        ]
+        conditions = [
+            (~valid, INVALID_INPUT, invalid_signal),
+            (~enabled, DISABLED, NOT_ENABLED),
+            (stale, STALE_INPUT, UNCHANGED),
+            (armed, MONITORING, NOTHING),
+            *((left, OUT_OF_RANGE, cause) for left, cause in outside),
+        ]
+        holds, states, causes = zip(*conditions)
+        state = np.select(holds, states, OUT_OF_RANGE)
+        state_cause = np.select(holds, causes, NOTHING)
+
+        left = ~within(y[:, 1], self.bounds[2]) | ~within(v_y_hat, self.bounds[1])
+        obedient = within(followed.motions, self.armed_bounds[1:].T)
+        astray = left & ~stale & (followed.since > self.window) & obedient.all(axis=(1, 2))
+        alarm_cause = self._alarms(
+            ~valid, enabled, monitors, monitors & (j_rms >= j_th), astray,
+            monitors & (j_rms < RELEASE * j_th), debounce, hold_s,
+        )  # fmt: skip
 
         # Invalid samples show the results of the last valid one; before any, those of the start.
-        held = np.maximum.accumulate(np.where(valid, numbers, -1))
+        held = np.maximum.accumulate(np.where(valid, np.arange(n), -1))
 
         def shown(values, initial):
             return np.where((held >= 0).reshape(-1, *[1] * (values.ndim - 1)), values[held], initial)
 
         return Outputs(
             residual=shown(residual, 0.0),
-            v_y_hat=shown(np.where(running, x_hat[:, 1], 0.0), 0.0),
+            v_y_hat=shown(v_y_hat, 0.0),
             j_rms=shown(j_rms, 0.0),
             j_th=shown(j_th, factor * self.threshold),
-            detectability=shown(fault / j_th, 0.0),
-            alarm=shown(alarm, False),
-            alarm_latched=np.maximum.accumulate(shown(alarm, False)),
-            state=np.where(valid, state, INVALID_INPUT),
+            detectability=shown(np.where(stale, 0.0, fault / j_th), 0.0),
+            alarm=alarm_cause != NO_ALARM,
+            alarm_latched=np.logical_or.accumulate(alarm_cause != NO_ALARM),
+            alarm_cause=alarm_cause,
+            state=state,
+            state_cause=state_cause,
         )
+
+    def _alarms(self, unseen, enabled, monitors, exceeds, astray, sunk, debounce, hold_s):
+        """alarm_cause at each sample: debounced, held and released."""
+        causes, count, clear, cause = np.full(len(unseen), NO_ALARM), 0, 0, NO_ALARM
+        for k in range(len(unseen)):
+            if not unseen[k]:
+                raises = exceeds[k] or astray[k]
+                if not enabled[k]:
+                    count, clear, cause = 0, 0, NO_ALARM
+                elif raises:
+                    count += 1
+                elif monitors[k]:
+                    count = 0
+                if cause == NO_ALARM:
+                    if enabled[k] and raises and count >= debounce:
+                        cause, clear = RESIDUAL if exceeds[k] else RANGE, 0
+                else:
+                    clear = clear + 1 if sunk[k] else 0
+                    if sunk[k] and clear * self.period >= hold_s:
+                        cause = NO_ALARM
+            causes[k] = cause
+        return causes
+
+
+class Responses:
+    """What the error answers to each deviation since the observer's start, in m/s, m/s, rad/s.
+
+    `sensed` is e - E times the measurement's error.
+    """
+
+    def __init__(self):
+        self.known, self.fault = np.zeros(3), np.zeros(3)
+        self.along, self.common, self.sensed = np.zeros((3, 5, 3)), np.zeros((8, 3)), np.zeros((2, 3))

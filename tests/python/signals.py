@@ -9,7 +9,8 @@ import numpy as np
 INPUTS = ["v_x", "r", "u.T_eng", "u.delta"]
 OUTPUTS = [
     "residual.v_x", "residual.r", "v_y_hat", "J_rms", "J_th", "J_ratio",
-    "detectability", "excited", "alarm", "alarm_latched", "first_alarm_time", "state",
+    "detectability", "excited", "alarm", "alarm_latched", "first_alarm_time",
+    "alarm_cause", "state", "state_cause",
 ]  # fmt: skip
 RELATIVE_TOLERANCE = 1e-12
 
@@ -36,6 +37,8 @@ def random_drive(seed, n, period, v_x=(4.0, 31.5), r=(-0.65, 0.65)):
 def expected(reference, inputs, step=None, start_time=0.0, **parameters):
     """The reference's results for `inputs` that change at the communication points only.
 
+    `inputs` may hold `enabled`.
+
     Sample k runs in the communication step that holds its time k T_s, a millionth of T_s early
     counting as there.
     """
@@ -45,6 +48,8 @@ def expected(reference, inputs, step=None, start_time=0.0, **parameters):
     row = np.searchsorted(first, np.arange(first[-1]), side="right") - 1  # step of each sample
     y = np.column_stack([inputs["v_x"], inputs["r"]])[row]
     u = np.column_stack([inputs["u.T_eng"], inputs["u.delta"]])[row]
+    if "enabled" in inputs:
+        parameters["enabled"] = np.asarray(inputs["enabled"])[row]
     columns = reference.run(y, u, **parameters).columns(reference.period, start_time)
     return {name: column[first[1:] - 1] for name, column in columns.items()}
 
@@ -58,7 +63,7 @@ def assert_agree(found, expected, inputs, weights):
     order of operations here than there. 16 roundings of v_x are allowed for (6e-14 m/s at 15 m/s),
     times the weights for J, over J_th for J_ratio.
     """
-    for name in ["excited", "alarm", "alarm_latched", "state"]:
+    for name in ["excited", "alarm", "alarm_latched", "alarm_cause", "state", "state_cause"]:
         different = np.flatnonzero(np.asarray(found[name]) != expected[name])
         assert different.size == 0, f"{name} differs first at row {different[0]}"
     with np.errstate(invalid="ignore"):

@@ -13,8 +13,9 @@ from fmpy.model_description import read_model_description
 from signals import INPUTS, OUTPUTS
 
 # Name of the record to the step in sample periods.
-# `excited` is detectability >= 1, no result of the detector's own.
-RESULTS = [name for name in OUTPUTS if name != "excited"]
+# Without `excited`, which is detectability >= 1 and no result of the detector's own, and the causes, which
+# follow from what is recorded.
+RESULTS = [name for name in OUTPUTS if name not in ("excited", "alarm_cause", "state_cause")]
 STEPS = {"one": (1, 1), "two": (2, 1), "eight": (8, 1), "third": (1, 3), "sixtieth": (5, 3)}
 
 

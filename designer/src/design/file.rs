@@ -32,7 +32,7 @@ use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
 
 /// Value of the key `format`.
-pub const FORMAT: &str = "steerguard-design/2";
+pub const FORMAT: &str = "steerguard-design/3";
 /// What the formats of all versions begin with.
 const ANY_FORMAT: &str = "steerguard-design/";
 

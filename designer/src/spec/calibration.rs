@@ -6,6 +6,8 @@ use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Most drives.
 const MOST_DRIVES: usize = 100_000;
+/// Initial lateral speeds where none are stated, m/s.
+const INITIAL_V_Y_M_PER_S: [f64; 3] = [-1.0, 0.0, 1.0];
 
 /// `[evaluation.calibration]`: every manoeuvre at every speed and lateral acceleration, under every
 /// frequency and phase of the disturbances, from every initial lateral speed.
@@ -25,8 +27,9 @@ pub struct Calibration {
     pub disturbance_frequencies: usize,
     /// Number of phases, evenly spread over a period; default 4.
     pub disturbance_phases: usize,
-    /// Initial lateral speeds; default [-1, 0, 1].
-    pub initial_v_y_m_per_s: Vec<f64>,
+    /// Initial lateral speeds; default [-1, 0, 1], cut to the range of v_y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial_v_y_m_per_s: Option<Vec<f64>>,
     /// Length of a drive; default 8.
     pub duration_s: f64,
 }
@@ -41,7 +44,7 @@ impl Default for Calibration {
             steering_rate_rad_per_s: 0.3,
             disturbance_frequencies: 3,
             disturbance_phases: 4,
-            initial_v_y_m_per_s: vec![-1.0, 0.0, 1.0],
+            initial_v_y_m_per_s: None,
             duration_s: 8.0,
         }
     }
@@ -75,6 +78,12 @@ impl Calibration {
         })
     }
 
+    /// Initial lateral speeds, m/s, for lateral speeds in a range around 0.
+    pub fn initial_v_y_in(&self, [min, max]: [f64; 2]) -> Vec<f64> {
+        let cut = || INITIAL_V_Y_M_PER_S.map(|v_y| v_y.max(min).min(max)).to_vec();
+        self.initial_v_y_m_per_s.clone().unwrap_or_else(cut)
+    }
+
     /// Number of drives under so many disturbances.
     pub fn drives(&self, disturbances: usize) -> usize {
         let signs = 1_usize << disturbances.saturating_sub(1);
@@ -82,7 +91,7 @@ impl Calibration {
             self.disturbance_frequencies,
             self.disturbance_phases,
             signs,
-            self.initial_v_y_m_per_s.len(),
+            self.initial_v_y_m_per_s.as_ref().map_or(INITIAL_V_Y_M_PER_S.len(), Vec::len),
         ]
         .into_iter()
         .fold(self.speeds.saturating_mul(self.courses().count()), usize::saturating_mul)
@@ -96,7 +105,7 @@ impl Calibration {
             ("disturbance_phases", self.disturbance_phases),
             ("manoeuvres", self.manoeuvres.len()),
             ("lateral_acceleration_m_per_s2", self.lateral_acceleration_m_per_s2.len()),
-            ("initial_v_y_m_per_s", self.initial_v_y_m_per_s.len()),
+            ("initial_v_y_m_per_s", self.initial_v_y_m_per_s.as_ref().map_or(1, Vec::len)),
         ] {
             mistakes.unless((1..=100).contains(&count), || {
                 let key = format!("evaluation.calibration.{key}");
@@ -133,7 +142,7 @@ impl Calibration {
         let range = "operating_range.v_y_m_per_s";
         if mistakes.sound(range) {
             let allowed = Allowed::between(min, max);
-            let mut speeds = self.initial_v_y_m_per_s.iter().enumerate();
+            let mut speeds = self.initial_v_y_m_per_s.iter().flatten().enumerate();
             if let Some((index, v_y)) = speeds.find(|(_, v_y)| !allowed.holds(**v_y)) {
                 let key = format!("{table}.initial_v_y_m_per_s[{index}]");
                 mistakes.add(

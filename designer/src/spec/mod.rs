@@ -9,6 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{MAX_DELAY_SAMPLES, Vehicle};
+use steerguard_world::steady_angle;
 
 use crate::document::{self, Mistake, Mistakes};
 
@@ -89,11 +90,12 @@ impl Default for Spec {
 }
 
 impl Spec {
-    /// The paper's own case: Theorem 4 with its multipliers, no sensor noise, W_r = I, Euler's steps as
-    /// they are, everything known.
+    /// The paper's own case: its range, Theorem 4 with its multipliers, no sensor noise, W_r = I, Euler's
+    /// steps as they are, everything known.
     pub fn paper() -> Self {
         Self {
             vehicle: Vehicle::PAPER,
+            operating_range: OperatingRangeTable::PAPER,
             noise: Noise {
                 v_x: SpeedNoise { white_std_m_per_s: 0.0, ..SpeedNoise::default() },
                 r: YawRateNoise { white_std_rad_per_s: 0.0, ..YawRateNoise::default() },
@@ -102,9 +104,14 @@ impl Spec {
             uncertainty: UncertaintyTable::NONE,
             design: Method { method: MethodName::Paper, ..Method::default() },
             evaluation: Evaluation {
+                window_s: Some(0.4),
                 weights: [1.0, 1.0],
                 threshold: ThresholdKind::Calibrated,
                 margin: 1.25,
+                calibration: Calibration {
+                    initial_v_y_m_per_s: Some(vec![-1.0, 0.0, 1.0]),
+                    ..Calibration::default()
+                },
                 ..Evaluation::default()
             },
             ..Self::default()
@@ -167,6 +174,32 @@ impl Spec {
         }
         let (disturbances, v_y) = (self.disturbance.len(), self.operating_range.v_y_m_per_s);
         self.evaluation.calibration.check_drives(disturbances, v_y, mistakes);
+        self.check_end_stops(mistakes);
+    }
+
+    /// The end stops must let the calibration's manoeuvres be driven, widest at the lowest armed speed.
+    fn check_end_stops(&self, mistakes: &mut Mistakes) {
+        let Some(limit_deg) = self.actuator.angle_limit_deg else { return };
+        let (limit, accelerations) =
+            ("actuator.angle_limit_deg", "evaluation.calibration.lateral_acceleration_m_per_s2");
+        let range = "operating_range";
+        if !["vehicle", limit, accelerations, range].into_iter().all(|key| mistakes.sound(key)) {
+            return;
+        }
+        let table = &self.operating_range;
+        let lowest_speed = table.v_x_m_per_s[0] + table.v_x_hysteresis_m_per_s;
+        let largest = self.evaluation.calibration.courses().fold(0.0_f64, |a, (_, b)| a.max(b));
+        let needed_deg = steady_angle(&self.vehicle, lowest_speed, largest).to_degrees();
+        mistakes.unless(limit_deg >= needed_deg, || {
+            // Rounded up.
+            let allowed = format!("{:.1} or more", (needed_deg * 10.0).ceil() / 10.0);
+            Mistake::value(limit, limit_deg, allowed)
+                .help(format!(
+                    "a steady turn of {largest} m/s^2 at {lowest_speed} m/s needs that angle: lower the \
+                     calibration's lateral accelerations, or raise the lowest speed"
+                ))
+                .because_of(accelerations)
+        });
     }
 
     /// The Euler step must follow the lateral and yaw dynamics, fastest at the lowest speed.

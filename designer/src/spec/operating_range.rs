@@ -7,37 +7,113 @@ use crate::document::{Mistake, Mistakes};
 
 /// `[operating_range]`: the design range S_x as [min, max]; the detector disarms outside it and arms
 /// inside it shrunk by the hysteresis.
+///
+/// Each hysteresis has a default for wide ranges, and in a narrow one [`DEFAULT_SHARE`] of its width.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(from = "Stated")]
 pub struct OperatingRangeTable {
     /// Longitudinal speed; default [5, 30].
     pub v_x_m_per_s: [f64; 2],
-    /// Lateral speed, true and estimated; default [-1.5, 1.5].
+    /// Lateral speed, true and estimated; default [-4, 4].
     pub v_y_m_per_s: [f64; 2],
-    /// Yaw rate; default [-0.55, 0.55].
+    /// Yaw rate; default [-1.2, 1.2].
     pub r_rad_per_s: [f64; 2],
-    /// Arming hysteresis of v_x; default 0.5.
+    /// Arming hysteresis of v_x; default 0.5, or the share.
     pub v_x_hysteresis_m_per_s: f64,
-    /// Arming hysteresis of the estimated v_y; default 0.25.
+    /// Arming hysteresis of the estimated v_y; default 0.5, or the share.
     pub v_y_hysteresis_m_per_s: f64,
-    /// Arming hysteresis of r; default 0.05.
+    /// Arming hysteresis of r; default 0.1, or the share.
     pub r_hysteresis_rad_per_s: f64,
 }
 
-impl Default for OperatingRangeTable {
+/// Largest share of a range's width that a hysteresis has which is not stated: no range is too narrow for
+/// a key that nobody wrote.
+const DEFAULT_SHARE: f64 = 1.0 / 12.0;
+
+/// The table as it is written.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Stated {
+    v_x_m_per_s: [f64; 2],
+    v_y_m_per_s: [f64; 2],
+    r_rad_per_s: [f64; 2],
+    v_x_hysteresis_m_per_s: Option<f64>,
+    v_y_hysteresis_m_per_s: Option<f64>,
+    r_hysteresis_rad_per_s: Option<f64>,
+}
+
+impl Default for Stated {
     fn default() -> Self {
+        let OperatingRangeTable { v_x_m_per_s, v_y_m_per_s, r_rad_per_s, .. } =
+            OperatingRangeTable::DEFAULT;
         Self {
-            v_x_m_per_s: [5.0, 30.0],
-            v_y_m_per_s: [-4.0, 4.0],
-            r_rad_per_s: [-1.2, 1.2],
-            v_x_hysteresis_m_per_s: 0.5,
-            v_y_hysteresis_m_per_s: 0.5,
-            r_hysteresis_rad_per_s: 0.1,
+            v_x_m_per_s,
+            v_y_m_per_s,
+            r_rad_per_s,
+            v_x_hysteresis_m_per_s: None,
+            v_y_hysteresis_m_per_s: None,
+            r_hysteresis_rad_per_s: None,
         }
     }
 }
 
+impl From<Stated> for OperatingRangeTable {
+    fn from(stated: Stated) -> Self {
+        let or_share = |stated: Option<f64>, wide: f64, [min, max]: [f64; 2]| {
+            stated.unwrap_or_else(|| wide.min(DEFAULT_SHARE * (max - min)))
+        };
+        let Stated { v_x_m_per_s, v_y_m_per_s, r_rad_per_s, .. } = stated;
+        let wide = Self::DEFAULT;
+        Self {
+            v_x_m_per_s,
+            v_y_m_per_s,
+            r_rad_per_s,
+            v_x_hysteresis_m_per_s: or_share(
+                stated.v_x_hysteresis_m_per_s,
+                wide.v_x_hysteresis_m_per_s,
+                v_x_m_per_s,
+            ),
+            v_y_hysteresis_m_per_s: or_share(
+                stated.v_y_hysteresis_m_per_s,
+                wide.v_y_hysteresis_m_per_s,
+                v_y_m_per_s,
+            ),
+            r_hysteresis_rad_per_s: or_share(
+                stated.r_hysteresis_rad_per_s,
+                wide.r_hysteresis_rad_per_s,
+                r_rad_per_s,
+            ),
+        }
+    }
+}
+
+impl Default for OperatingRangeTable {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
 impl OperatingRangeTable {
+    /// What tyres on a dry road allow, nearly.
+    pub const DEFAULT: Self = Self {
+        v_x_m_per_s: [5.0, 30.0],
+        v_y_m_per_s: [-4.0, 4.0],
+        r_rad_per_s: [-1.2, 1.2],
+        v_x_hysteresis_m_per_s: 0.5,
+        v_y_hysteresis_m_per_s: 0.5,
+        r_hysteresis_rad_per_s: 0.1,
+    };
+
+    /// The paper's.
+    pub const PAPER: Self = Self {
+        v_x_m_per_s: [5.0, 30.0],
+        v_y_m_per_s: [-1.5, 1.5],
+        r_rad_per_s: [-0.55, 0.55],
+        v_x_hysteresis_m_per_s: 0.5,
+        v_y_hysteresis_m_per_s: 0.25,
+        r_hysteresis_rad_per_s: 0.05,
+    };
+
     /// S_x.
     pub fn range(&self) -> OperatingRange {
         let interval = |[min, max]: [f64; 2]| Interval::new(min, max);

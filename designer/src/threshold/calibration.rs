@@ -98,12 +98,13 @@ pub fn drives(spec: &Spec) -> Vec<Drive> {
     let c = &spec.evaluation.calibration;
     let armed = spec.operating_range.range().shrunk(spec.operating_range.hysteresis()).v_x;
     let waves = waves(spec);
+    let initial_v_y_m_per_s = c.initial_v_y_in(spec.operating_range.v_y_m_per_s);
 
     let mut drives = Vec::new();
     for v_x_m_per_s in spread(armed.min, armed.max, c.speeds) {
         for (manoeuvre, lateral_acceleration_m_per_s2) in c.courses() {
             for disturbance in &waves {
-                for &v_y_m_per_s in &c.initial_v_y_m_per_s {
+                for &v_y_m_per_s in &initial_v_y_m_per_s {
                     drives.push(Drive {
                         v_x_m_per_s,
                         v_y_m_per_s,

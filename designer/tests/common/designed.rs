@@ -27,7 +27,7 @@ pub fn designed_with_few_drives(mut spec: Spec) -> Result<Design, DesignError> {
         lateral_acceleration_m_per_s2: vec![1.0],
         disturbance_frequencies: 1,
         disturbance_phases: 1,
-        initial_v_y_m_per_s: vec![0.0],
+        initial_v_y_m_per_s: Some(vec![0.0]),
         duration_s: 2.0,
         ..Calibration::default()
     };

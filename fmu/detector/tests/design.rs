@@ -5,6 +5,7 @@
 mod common;
 
 use common::design;
+use steerguard_detector::Configuration;
 use steerguard_fmu::{BakedDesign, DesignError};
 use steerguard_fmu_core::PAYLOAD_CAPACITY;
 
@@ -18,6 +19,43 @@ fn a_design_survives_its_encoding() {
     let numbers = numbers.chain(gains.m.as_flattened_mut()).chain(gains.e.as_flattened_mut());
     for (i, number) in numbers.enumerate() {
         *number = 1.0 / (i + 3) as f64;
+    }
+    let Configuration { model, evaluation, deviations, actuator, zero, staleness, .. } =
+        &mut design.configuration;
+    let uncertainty = &mut deviations.uncertainty;
+    for (i, number) in [
+        &mut model.vehicle.centre_of_gravity_height_m,
+        &mut evaluation.uncertainty_share,
+        &mut evaluation.alarm_hold_s,
+        &mut actuator.lag_s,
+        &mut actuator.delay_s,
+        actuator.angle_limit_rad.insert(0.0),
+        &mut uncertainty.mass,
+        &mut uncertainty.yaw_inertia,
+        &mut uncertainty.front_cornering_stiffness,
+        &mut uncertainty.rear_cornering_stiffness,
+        uncertainty.friction.insert(0.0),
+        &mut uncertainty.load_transfer,
+        &mut uncertainty.bank_m_per_s2,
+        &mut uncertainty.gust.speed_m_per_s,
+        &mut uncertainty.gust.coefficient_n_s2_per_m2,
+        &mut uncertainty.gust.acting_ahead_m,
+        &mut uncertainty.actuator_lag_s,
+        &mut uncertainty.actuator_delay_s,
+        &mut uncertainty.steering_ratio,
+        &mut uncertainty.steering_offset_rad,
+        &mut uncertainty.yaw_rate_bias_rad_per_s,
+        &mut uncertainty.v_x_scale,
+        &mut zero.steering_offset_rad,
+        &mut zero.yaw_rate_bias_rad_per_s,
+        &mut staleness.after_s,
+        &mut staleness.v_x_jump_m_per_s,
+        &mut staleness.r_jump_rad_per_s,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        *number = 1.0 / (i + 300) as f64;
     }
     let bytes = design.encode().unwrap();
     assert_eq!(bytes.len(), BakedDesign::LENGTH);

@@ -6,7 +6,7 @@ mod common;
 
 use common::{Detector, OK, PERIOD, design};
 use proptest::prelude::*;
-use steerguard_detector::{Input, Measurement, Monitor};
+use steerguard_detector::{Input, Measurement, Monitor, Signal};
 use steerguard_fmi2::types::fmi2Status;
 use steerguard_fmu::DetectorModel;
 use steerguard_fmu_core::Model;
@@ -16,11 +16,13 @@ use steerguard_model_description::{DefaultExperiment, Kind, Value, VariableSet};
 
 /// Straight driving at 15 m/s in balance.
 const CRUISE: [f64; 4] = [15.0, 0.0, 78.75, 0.0];
-const STATE: [(Monitor, i32); 4] = [
+const STATE: [(Monitor, i32); 6] = [
     (Monitor::Starting, 1),
     (Monitor::Monitoring, 2),
     (Monitor::OutOfRange, 3),
     (Monitor::InvalidInput, 4),
+    (Monitor::Disabled, 5),
+    (Monitor::StaleInput, 6),
 ];
 
 /// Inputs that vary, leave the range, and are invalid for a while.
@@ -93,6 +95,18 @@ fn the_fresh_model_fits_its_description() {
     assert!(rendered.xml.contains(&hash));
 }
 
+/// What the detector takes for invalid is what the description says is out of bounds.
+#[test]
+fn inputs_have_the_limits_that_are_declared() {
+    let inputs = [V::SpeedX, V::YawRate, V::DriveTorque, V::SteeringAngle];
+    for (variable, signal) in inputs.into_iter().zip(Signal::ALL) {
+        let row = &V::TABLE[variable.value_reference() as usize];
+        let Kind::Real(real) = row.kind else { panic!("{}", row.name) };
+        let limit = signal.limit();
+        assert_eq!((real.min, real.max), (Some(-limit), Some(limit)), "{}", row.name);
+    }
+}
+
 #[test]
 fn every_variable_can_be_set_or_keeps_its_value() {
     let mut model = DetectorModel::new(&design().encode().unwrap()).unwrap();
@@ -101,7 +115,8 @@ fn every_variable_can_be_set_or_keeps_its_value() {
         let value = match row.kind {
             Kind::Real(_) => Value::Real(0.75),
             Kind::Integer { .. } | Kind::Enumeration(_) => Value::Integer(2),
-            Kind::Boolean => Value::Boolean(true),
+            // The other one.
+            Kind::Boolean => Value::Boolean(before == "Boolean(false)"),
             Kind::String => Value::String(c"x"),
         };
         model.set(variable, value);
@@ -128,13 +143,100 @@ fn an_alarm_is_raised_latched_and_told() {
     let [event] = &fmu.messages("logEvents")[..] else { panic!("one event expected") };
     assert!(event.starts_with("alarm at 6 s: J_rms = 0.0"), "{event}");
 
+    assert_eq!((fmu.integer(V::AlarmCause), fmu.integer(V::AlarmCauseIndex)), (2, 2));
+
+    // It stays until J has been low for a second.
     fmu.set_inputs(CRUISE);
-    assert_eq!(fmu.step(6.02, 20.0), OK);
+    assert_eq!(fmu.step(6.02, 1.0), OK);
+    assert!(fmu.boolean(V::Alarm));
+    assert_eq!(fmu.messages("logEvents"), [""; 0]);
+    assert_eq!(fmu.step(7.02, 20.0), OK);
     assert!(!fmu.boolean(V::Alarm) && fmu.boolean(V::AlarmLatched));
+    assert_eq!(fmu.integer(V::AlarmCause), 1);
     assert!(fmu.messages("logEvents")[0].starts_with("alarm over at "));
     fmu.reset();
     fmu.initialise(0.0);
     assert!(!fmu.boolean(V::AlarmLatched));
+}
+
+#[test]
+fn leaving_the_range_against_the_command_is_an_alarm_of_its_own_cause() {
+    let fmu = Detector::initialised(0.0);
+    fmu.set_inputs(CRUISE);
+    assert_eq!(fmu.step(0.0, 5.0), OK);
+    fmu.messages("logEvents");
+    fmu.set_inputs([15.0, 0.7, 78.75, 0.0]);
+    assert_eq!(fmu.step(5.0, PERIOD), OK);
+    assert!(fmu.boolean(V::Alarm));
+    assert_eq!((fmu.integer(V::State), fmu.integer(V::AlarmCause)), (3, 3));
+    assert_eq!(fmu.integer(V::StateCause), 3);
+    assert_eq!(
+        fmu.messages("logEvents"),
+        [
+            "alarm at 5 s: r = 0.7 is not in [-0.55, 0.55], although the command does not lead there",
+            "outside the range of the design from 5 s: r = 0.7 is not in [-0.55, 0.55]",
+        ]
+    );
+}
+
+#[test]
+fn a_detector_that_is_switched_off_gives_no_alarm_and_starts_clean() {
+    let fmu = Detector::initialised(0.0);
+    fmu.set_inputs(CRUISE);
+    assert_eq!(fmu.step(0.0, 5.0), OK);
+    fmu.set_inputs([15.0, 0.1, 78.75, 0.0]);
+    assert_eq!(fmu.step(5.0, 0.25), OK);
+    assert!(fmu.boolean(V::Alarm));
+    fmu.messages("logEvents");
+    assert_eq!(fmu.set_boolean(V::Enabled, false), OK);
+    assert_eq!(fmu.step(5.25, 1.0), OK);
+    assert!(!fmu.boolean(V::Alarm) && fmu.boolean(V::AlarmLatched) && !fmu.boolean(V::Excited));
+    assert_eq!((fmu.integer(V::State), fmu.integer(V::StateIndex)), (5, 5));
+    assert_eq!((fmu.integer(V::StateCause), fmu.integer(V::StateCauseIndex)), (8, 8));
+    let events = fmu.messages("logEvents");
+    assert_eq!(events[1..], ["switched off by the input enabled from 5.25 s"]);
+    assert_eq!(fmu.set_boolean(V::Enabled, true), OK);
+    assert_eq!(fmu.step(6.25, PERIOD), OK);
+    assert_eq!((fmu.integer(V::State), fmu.real(V::Rms)), (2, 0.0));
+}
+
+#[test]
+fn measurements_that_no_longer_change_are_told_once() {
+    let fmu = Detector::instantiated();
+    assert_eq!(fmu.set(V::StaleAfter, 0.2), OK);
+    fmu.initialise(0.0);
+    fmu.set_inputs(CRUISE);
+    assert_eq!(fmu.step(0.0, 5.0), OK);
+    assert_eq!((fmu.integer(V::State), fmu.integer(V::StateCause)), (6, 7));
+    assert!(!fmu.boolean(V::Excited));
+    let events = fmu.messages("logEvents");
+    assert_eq!(events.len(), 2, "{events:?}");
+    assert_eq!(
+        events[1],
+        "v_x and r have not changed for 0.2 s at 0.21 s: no alarm until they do; for simulations \
+         without noise set the parameter stale_after_s = 0"
+    );
+    // Off as designed.
+    let fmu = Detector::initialised(0.0);
+    fmu.set_inputs(CRUISE);
+    assert_eq!(fmu.step(0.0, 5.0), OK);
+    assert_eq!(fmu.integer(V::State), 2);
+}
+
+#[test]
+fn what_the_sensors_show_at_zero_is_a_parameter() {
+    let residual = |offset: f64, bias: f64, shown: [f64; 2]| {
+        let fmu = Detector::instantiated();
+        assert_eq!(fmu.set(V::SteeringOffset, offset), OK);
+        assert_eq!(fmu.set(V::YawRateBias, bias), OK);
+        fmu.initialise(0.0);
+        let [r, delta] = shown;
+        fmu.set_inputs([15.0, r, 78.75, delta]);
+        assert_eq!(fmu.step(0.0, 1.0), OK);
+        fmu.real(V::Rms)
+    };
+    assert_eq!(residual(0.01, -0.02, [-0.02, 0.01]), residual(0.0, 0.0, [0.0, 0.0]));
+    assert_ne!(residual(0.01, 0.0, [0.0, 0.0]), residual(0.0, 0.0, [0.0, 0.0]));
 }
 
 #[test]
@@ -158,7 +260,10 @@ fn invalid_inputs_are_warned_about_once_an_episode_and_hold_the_outputs() {
             assert_eq!(step(inputs), OK);
             assert_eq!(fmu.integer(V::State), 4);
             assert_eq!(fmu.real(V::Threshold), j_th);
-            assert_eq!(fmu.messages("logStatusWarning").len(), 1);
+            assert_eq!(fmu.integer(V::StateCause), place as i32 + 2);
+            let [warning] = &fmu.messages("logStatusWarning")[..] else { panic!("one expected") };
+            let name = ["v_x", "r", "u.T_eng", "u.delta"][place];
+            assert!(warning.starts_with(&format!("{name} = ")), "{warning}");
             assert_eq!(step(CRUISE), OK);
             assert_eq!(fmu.integer(V::State), 2);
         }
@@ -166,7 +271,7 @@ fn invalid_inputs_are_warned_about_once_an_episode_and_hold_the_outputs() {
 }
 
 #[test]
-fn outside_the_range_the_alarm_is_withheld() {
+fn outside_the_range_the_residual_raises_no_alarm() {
     let fmu = Detector::initialised(0.0);
     assert_eq!(fmu.integer(V::State), 1);
     assert_eq!(fmu.real(V::ResidualSpeedX), 0.0);
@@ -175,7 +280,7 @@ fn outside_the_range_the_alarm_is_withheld() {
     assert_eq!((fmu.integer(V::State), fmu.boolean(V::Alarm)), (3, false));
     assert_eq!(
         fmu.messages("logEvents"),
-        ["outside the range of the design, alarms withheld from 0 s"]
+        ["outside the range of the design from 0 s: v_x = 3 is not in [5, 30]"]
     );
 }
 

@@ -386,7 +386,12 @@ mod tests {
 
     #[test]
     fn the_actuator_is_the_design_s_and_slower() {
-        let actuator = Actuator { lag_s: 0.1, delay_s: 0.2, rate_limit_rad_per_s: Some(0.5) };
+        let actuator = Actuator {
+            lag_s: 0.1,
+            delay_s: 0.2,
+            rate_limit_rad_per_s: Some(0.5),
+            angle_limit_rad: Some(0.6),
+        };
         let subject = Subject { actuator, ..PAPER };
         let nominal = Settings { uncertainty: Uncertainty::NOMINAL, ..SETTINGS };
         for index in 0..100 {
@@ -394,6 +399,7 @@ mod tests {
             assert!((0.1..=0.12).contains(&slower.lag_s));
             assert!((0.2..=0.23).contains(&slower.delay_s));
             assert_eq!(slower.rate_limit_rad_per_s, Some(0.5));
+            assert_eq!(slower.angle_limit_rad, Some(0.6));
             assert_eq!(Drive::draw(&nominal, &subject, index).actuator, actuator);
         }
     }

@@ -107,6 +107,7 @@ mod tests {
             alarm,
             excited: true,
             state: MONITORING,
+            state_cause: 1,
         };
         let samples = samples.iter().enumerate().map(sample).collect();
         Run { initial_speed_m_per_s: 10.0, step_s: 1.0, samples }

@@ -1,6 +1,8 @@
 //! A design that needs no solver: a stable observer without E, for tests of everything around it.
 
-use steerguard_detector::{Actuator, Configuration, Deviations, Evaluation, Gains, TsModel};
+use steerguard_detector::{
+    Actuator, Configuration, Deviations, Evaluation, Gains, Staleness, TsModel, Zero,
+};
 use steerguard_fmu::BakedDesign;
 
 pub fn design() -> BakedDesign {
@@ -33,9 +35,12 @@ pub fn design() -> BakedDesign {
                 start_up_amplitude: 0.02,
                 start_up_decay: 0.97,
                 debounce_samples: 1,
+                alarm_hold_s: 1.0,
             },
             deviations: Deviations::NONE,
             actuator: Actuator::NONE,
+            zero: Zero::default(),
+            staleness: Staleness::NEVER,
         },
     }
 }

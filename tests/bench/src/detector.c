@@ -3,28 +3,48 @@
  * operations on the data are in the same order as in the packaged library, so that the outputs are
  * equal bit for bit.
  *
- * Value references are those of SteeringFaultDetector.fmu. Range monitoring, state handling, a modelled
- * or uncertain actuator, which the designs compared do not have, and the other FMI functions are left
+ * Value references are those of SteeringFaultDetector.fmu. Validity, range monitoring, alarms and other
+ * state handling, an actuator, which the designs compared do not have, and the other FMI functions are left
  * out: they would only cost time here. */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 
 #define MAX_WINDOW 256
+#define GRAVITY 9.80665
+#define ACCELERATION_FILTER 0.15
+/* Reference motions are drawn to the measured yaw rate from this share of the critical speed on, at that
+ * speed this fast. */
+#define DRAWN_FROM 0.6
+#define DRAW 15.0
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
-typedef enum { V_X, R, T_ENG, DELTA, RESIDUAL_V_X, RESIDUAL_R, J_RMS, J_TH, DETECTABILITY = 12 } ValueReference;
-/* Uncertainties, in the order of the detector's. */
-enum { MASS, YAW_INERTIA, FRONT_STIFFNESS, REAR_STIFFNESS, BANK, GUST, UNCERTAINTIES };
+typedef enum {
+    V_X, R, T_ENG, DELTA, RESIDUAL_V_X = 5, RESIDUAL_R, J_RMS, J_TH, DETECTABILITY = 13
+} ValueReference;
+/* Causes, in the order of the detector's: along the reference motions, wherever the vehicle is, and on the
+ * measurement. */
+enum { MASS, YAW_INERTIA, FRONT_STIFFNESS, REAR_STIFFNESS, FRICTION, ALONG };
+enum { LOAD_TRANSFER, BANK, GUST, RATIO, OFFSET, FRONT_SIDE_FORCE, REAR_SIDE_FORCE, COMMON };
+enum { BIAS, SCALE, SENSED };
+enum { MOTIONS = 3 };
 
 /* Mirrored in lib.rs. */
 typedef struct {
-    double mass, yaw_inertia, longitudinal_inertia, l_f, l_r, c_f, c_r, c_x, c_y;
+    double mass, yaw_inertia, longitudinal_inertia, l_f, l_r, c_f, c_r, c_x, c_y, height;
     double period;
     double v_x_min, v_x_max, r_min, r_max;
     double n[4][3][3], l[4][3][2], m[3][3], e[3][2];
     double weights[2], threshold, start_up_amplitude, start_up_decay;
-    double share, uncertainty[5], gust_speed, gust_coefficient, gust_ahead, smallest_fault[3];
+    double share;
+    struct {
+        double mass, yaw_inertia, front, rear;
+        double friction; /* 0 for tyres without end */
+        double load_transfer, bank, gust_speed, gust_coefficient, gust_ahead;
+        double ratio, offset, bias, scale;
+    } q;
+    double smallest_fault[3];
+    double steering_offset, yaw_rate_bias;
     size_t euler_correction, window;
 } Configuration;
 
@@ -35,20 +55,52 @@ typedef struct {
     size_t next;
 } Window;
 
+/* Lateral motion, v_y and r, and the coefficients of its single-track model. */
+typedef struct {
+    double x[2];
+    double lateral[3], yaw[3];
+} Motion;
+
 typedef struct {
     Configuration c;
     /* Constants of the sample path. */
-    double b[3][2], g_phi, drag, cross, damping, slow, fast, m_fault[3], half_square;
-    int acts[UNCERTAINTIES], any;
+    double b[3][2], g_phi, drag, cross, damping, slow, fast, half_square;
+    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical;
+    int along[ALONG], common[COMMON], sensed[SENSED], any, any_along, transfers;
+    size_t motions;
     /* Inputs, states, outputs. */
-    double y[2], u[2], z[3];
+    double y[2], u[2], z[3], filtered;
     double residual[2], j_rms, j_th, detectability;
-    double remainder[3], responses[UNCERTAINTIES][3], fault[3];
+    Motion motion[MOTIONS];
+    double known[3], of_along[MOTIONS][ALONG][3], of_common[COMMON][3], of_sensed[SENSED][3], fault[3];
     Window j, uncertain, seen;
     double power, sum;
     size_t started;
     unsigned long long sample;
 } Instance;
+
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+static void motion_new(Motion *m, const Configuration *c, double front, double rear) {
+    const double c_f = 2.0 * front * c->c_f, c_r = 2.0 * rear * c->c_r;
+    const double moment = c_r * c->l_r - c_f * c->l_f;
+    m->lateral[0] = -(c_f + c_r) / c->mass;
+    m->lateral[1] = moment / c->mass;
+    m->lateral[2] = c_f / c->mass;
+    m->yaw[0] = moment / c->yaw_inertia;
+    m->yaw[1] = -(c_f * c->l_f * c->l_f + c_r * c->l_r * c->l_r) / c->yaw_inertia;
+    m->yaw[2] = c->l_f * c_f / c->yaw_inertia;
+}
+
+/* Critical speed of the worst vehicle; infinite where none oversteers. */
+static double critical_speed(const Configuration *c) {
+    const double c_f = (1.0 + c->q.front) * c->c_f, c_r = larger(1.0 - c->q.rear, 0.1) * c->c_r;
+    const double oversteer = c_f * c->l_f - c_r * c->l_r, wheelbase = c->l_f + c->l_r;
+    const double lightness = larger(1.0 - c->q.mass, 0.1);
+    if (!(oversteer > 0.0)) return INFINITY;
+    return sqrt(2.0 * c_f * c_r * wheelbase * wheelbase * lightness / (c->mass * oversteer));
+}
 
 Instance *detector_new(const Configuration *c) {
     Instance *s = calloc(1, sizeof *s);
@@ -66,13 +118,44 @@ Instance *detector_new(const Configuration *c) {
     s->fast = 1.0 / c->v_x_max;
     s->power = 1.0;
     s->half_square = 0.5 * t * t;
-    for (int i = 0; i < 3; i++)
-        s->m_fault[i] = 0.0 + c->m[i][0] * c->smallest_fault[0] + c->m[i][1] * c->smallest_fault[1] + c->m[i][2] * c->smallest_fault[2];
-    for (int k = 0; k < UNCERTAINTIES; k++) {
-        const int is = k == GUST ? c->gust_speed > 0.0 && c->gust_coefficient > 0.0 : c->uncertainty[k] > 0.0;
-        s->acts[k] = c->share > 0.0 && is;
-        s->any |= s->acts[k];
+
+    s->lighter = 1.0 + c->q.mass;
+    s->easier = 1.0 + c->q.yaw_inertia;
+    s->wheelbase = c->l_f + c->l_r;
+    const double weight = c->mass * GRAVITY, front_load = weight * c->l_r / s->wheelbase;
+    s->front_holds = c->q.friction * front_load;
+    s->rear_holds = c->q.friction * (weight - front_load);
+    s->front_lever = fabs(c->l_r + c->q.gust_ahead);
+    s->rear_lever = fabs(c->l_f - c->q.gust_ahead);
+    s->critical = critical_speed(c);
+    motion_new(&s->motion[0], c, 1.0, 1.0);
+    motion_new(&s->motion[1], c, 1.0 + c->q.front, larger(1.0 - c->q.rear, 0.1));
+    motion_new(&s->motion[2], c, larger(1.0 - c->q.front, 0.1), 1.0 + c->q.rear);
+    s->motions = c->q.front > 0.0 || c->q.rear > 0.0 ? MOTIONS : 1;
+    s->transfers = c->height > 0.0;
+
+    if (c->share > 0.0) {
+        const int gust = c->q.gust_speed > 0.0 && c->q.gust_coefficient > 0.0;
+        const int side_force = c->q.bank > 0.0 || gust;
+        s->along[MASS] = c->q.mass > 0.0;
+        s->along[YAW_INERTIA] = c->q.yaw_inertia > 0.0;
+        s->along[FRONT_STIFFNESS] = c->q.front > 0.0;
+        s->along[REAR_STIFFNESS] = c->q.rear > 0.0;
+        s->along[FRICTION] = c->q.friction > 0.0;
+        s->common[LOAD_TRANSFER] = c->q.load_transfer > 0.0 && s->transfers;
+        s->common[BANK] = c->q.bank > 0.0;
+        s->common[GUST] = gust;
+        s->common[RATIO] = c->q.ratio > 0.0;
+        s->common[OFFSET] = c->q.offset > 0.0;
+        s->common[FRONT_SIDE_FORCE] = side_force && c->q.front > 0.0;
+        s->common[REAR_SIDE_FORCE] = side_force && c->q.rear > 0.0;
+        s->sensed[BIAS] = c->q.bias > 0.0;
+        s->sensed[SCALE] = c->q.scale > 0.0;
     }
+    for (int k = 0; k < ALONG; k++) s->any_along |= s->along[k];
+    s->any = s->any_along;
+    for (int k = 0; k < COMMON; k++) s->any |= s->common[k];
+    for (int k = 0; k < SENSED; k++) s->any |= s->sensed[k];
     return s;
 }
 
@@ -104,79 +187,202 @@ static double square(const Configuration *c, double v_x, double r) {
     return a * a + b * b;
 }
 
+/* ||W_r C e||. */
+static double size(const Configuration *c, const double e[3]) { return sqrt(square(c, e[0], e[2])); }
+
 /* e+ = N e + M w. */
-static void respond(double n[3][3], const Configuration *c, double e[3], const double w[3]) {
+static void respond(double n[3][3], double m[3][3], double e[3], const double w[3]) {
     double next[3];
     for (int i = 0; i < 3; i++)
         next[i] = (0.0 + n[i][0] * e[0] + n[i][1] * e[1] + n[i][2] * e[2])
-            + (0.0 + c->m[i][0] * w[0] + c->m[i][1] * w[1] + c->m[i][2] * w[2]);
+            + (0.0 + m[i][0] * w[0] + m[i][1] * w[1] + m[i][2] * w[2]);
     for (int i = 0; i < 3; i++) e[i] = next[i];
 }
 
-/* Responses to Euler's remainder, to what is uncertain and to the smallest fault: method 6. */
-static void advance_responses(Instance *s, double n[3][3], double v_x, double v_y, double r) {
-    const Configuration *c = &s->c;
-    double fault[3];
-    for (int i = 0; i < 3; i++)
-        fault[i] = (0.0 + n[i][0] * s->fault[0] + n[i][1] * s->fault[1] + n[i][2] * s->fault[2]) + s->m_fault[i];
-    for (int i = 0; i < 3; i++) s->fault[i] = fault[i];
-    if (!c->euler_correction && !s->any) return;
+/* The same over a period, of a slope. */
+static void respond_to(const Instance *s, double n[3][3], double held[3][3], double e[3], double x, double y, double z) {
+    const double w[3] = {s->c.period * x, s->c.period * y, s->c.period * z};
+    respond(n, held, e, w);
+}
 
-    const double t_eng = s->u[0], delta = s->u[1];
+/* The same, of axle forces on the lightest vehicle with the least yaw inertia. */
+static void respond_to_forces(const Instance *s, double n[3][3], double held[3][3], double e[3], double front, double rear) {
+    const Configuration *c = &s->c;
+    const double y = s->lighter * (front + rear) / c->mass;
+    const double z = s->easier * (c->l_f * front - c->l_r * rear) / c->yaw_inertia;
+    respond_to(s, n, held, e, 0.0, y, z);
+}
+
+/* 1 - tanh(x) / x by a continued fraction. */
+static double deficit(double x) {
+    const double square = x * x;
+    const double fraction = square / (3.0 + square / (5.0 + square / 7.0));
+    return fraction / (1.0 + fraction);
+}
+
+/* What the measurement's error of a cause adds to [v_x, r]. */
+static void error_of(const Configuration *c, int cause, double v_x, double error[2]) {
+    error[0] = cause == SCALE ? c->q.scale * v_x : 0.0;
+    error[1] = cause == BIAS ? c->q.bias : 0.0;
+}
+
+/* What the uncertainties add to ||W_r r|| at most. */
+static double bound(const Instance *s, double v_x) {
+    const Configuration *c = &s->c;
+    double largest = 0.0, common = 0.0, sum;
+    if (s->any_along) {
+        for (size_t i = 0; i < s->motions; i++) {
+            double along = 0.0;
+            for (int k = 0; k < ALONG; k++)
+                if (s->along[k]) along += size(c, s->of_along[i][k]);
+            largest = larger(largest, along);
+        }
+    }
+    for (int k = 0; k < COMMON; k++)
+        if (s->common[k]) common += size(c, s->of_common[k]);
+    sum = largest + common;
+    for (int k = 0; k < SENSED; k++) {
+        if (!s->sensed[k]) continue;
+        const double *e = s->of_sensed[k];
+        double error[2];
+        error_of(c, k, v_x, error);
+        const double seen[3] = {
+            e[0] + ((0.0 + c->e[0][0] * error[0] + c->e[0][1] * error[1]) + error[0]),
+            0.0,
+            e[2] + ((0.0 + c->e[2][0] * error[0] + c->e[2][1] * error[1]) + error[1]),
+        };
+        sum += size(c, seen);
+    }
+    return sum;
+}
+
+/* Responses to what is known, to what is uncertain and to the smallest fault: method 6. */
+static void advance_responses(Instance *s, double n[3][3], double l[3][2], double v_x, double v_y, double r, double delta, double a_x) {
+    const Configuration *c = &s->c;
+    const double t_eng = s->u[0], period = c->period;
+    /* Jacobian of (3). */
+    const double by_front = -2.0 * c->c_f / v_x, by_rear = -2.0 * c->c_r / v_x;
+    const double front_by_v_x = -by_front * (v_y + c->l_f * r) / v_x;
+    const double rear_by_v_x = -by_rear * (v_y - c->l_r * r) / v_x;
+    const double by_moment = c->l_f * by_front - c->l_r * by_rear;
+    const double jacobian[3][3] = {
+        {-2.0 * c->c_x * v_x / c->longitudinal_inertia, r, v_y},
+        {(front_by_v_x + rear_by_v_x) / c->mass - r, (by_front + by_rear - 2.0 * c->c_y * v_y) / c->mass, by_moment / c->mass - v_x},
+        {(c->l_f * front_by_v_x - c->l_r * rear_by_v_x) / c->yaw_inertia, by_moment / c->yaw_inertia,
+         (c->l_f * c->l_f * by_front + c->l_r * c->l_r * by_rear) / c->yaw_inertia},
+    };
+    /* M (I + T_s J / 2): second-order hold. */
+    double held[3][3];
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) held[i][k] = c->m[i][k];
+        if (c->euler_correction)
+            for (int j = 0; j < 3; j++)
+                for (int k = 0; k < 3; k++) held[i][k] += 0.5 * period * c->m[i][j] * jacobian[j][k];
+    }
+    respond(n, held, s->fault, c->smallest_fault);
+
     const double front = 2.0 * c->c_f * (delta - (v_y + c->l_f * r) / v_x);
     const double rear = 2.0 * c->c_r * ((c->l_r * r - v_y) / v_x);
-    if (c->euler_correction) {
-        const double v_x_dot = (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia + v_y * r;
-        const double v_y_dot = (front + rear - c->c_y * v_y * v_y) / c->mass - v_x * r;
-        const double r_dot = (c->l_f * front - c->l_r * rear) / c->yaw_inertia;
-        const double lateral_f = v_y + c->l_f * r, lateral_r = v_y - c->l_r * r;
-        const double front_dot = -2.0 * c->c_f * (((v_y_dot + c->l_f * r_dot) - lateral_f / v_x * v_x_dot) / v_x);
-        const double rear_dot = -2.0 * c->c_r * (((v_y_dot - c->l_r * r_dot) - lateral_r / v_x * v_x_dot) / v_x);
-        const double w[3] = {
-            s->half_square * (-2.0 * c->c_x * v_x * v_x_dot / c->longitudinal_inertia + v_y_dot * r + v_y * r_dot),
-            s->half_square * ((front_dot + rear_dot - 2.0 * c->c_y * v_y * v_y_dot) / c->mass - v_x_dot * r - v_x * r_dot),
-            s->half_square * ((c->l_f * front_dot - c->l_r * rear_dot) / c->yaw_inertia),
-        };
-        respond(n, c, s->remainder, w);
+    double transfer[2] = {0.0, 0.0};
+    if (s->transfers) {
+        const double share = a_x * c->height / GRAVITY;
+        const double front_gains = -front * share / c->l_r, rear_gains = rear * share / c->l_f;
+        transfer[0] = (front_gains + rear_gains) / c->mass;
+        transfer[1] = (c->l_f * front_gains - c->l_r * rear_gains) / c->yaw_inertia;
     }
-    for (int k = 0; k < UNCERTAINTIES; k++) {
-        if (!s->acts[k]) continue;
-        double x = 0.0, y = 0.0, z = 0.0;
-        const double by = k == GUST ? 0.0 : c->uncertainty[k];
-        switch (k) {
-        case MASS:
-            x = by * ((t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia);
-            y = by * (front + rear - c->c_y * v_y * v_y) / c->mass;
-            break;
-        case YAW_INERTIA: z = by * (c->l_f * front - c->l_r * rear) / c->yaw_inertia; break;
-        case FRONT_STIFFNESS:
-            y = by * front / c->mass;
-            z = by * c->l_f * front / c->yaw_inertia;
-            break;
-        case REAR_STIFFNESS:
-            y = by * rear / c->mass;
-            z = -by * c->l_r * rear / c->yaw_inertia;
-            break;
-        case BANK: y = by; break;
-        case GUST: {
-            const double speed = c->gust_speed;
-            const double force = c->gust_coefficient * speed * sqrt(v_x * v_x + speed * speed);
-            y = force / c->mass;
-            z = c->gust_ahead * force / c->yaw_inertia;
-        }
-        }
-        const double w[3] = {c->period * x, c->period * y, c->period * z};
-        respond(n, c, s->responses[k], w);
+    if (c->euler_correction) {
+        const double slope[3] = {
+            (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia + v_y * r,
+            (front + rear - c->c_y * v_y * v_y) / c->mass - v_x * r,
+            (c->l_f * front - c->l_r * rear) / c->yaw_inertia,
+        };
+        const double w[3] = {0.0, period * transfer[0], period * transfer[1]};
+        double remainder[3];
+        for (int i = 0; i < 3; i++)
+            remainder[i] = s->half_square * (0.0 + jacobian[i][0] * slope[0] + jacobian[i][1] * slope[1] + jacobian[i][2] * slope[2]);
+        respond(n, s->c.m, s->known, remainder);
+        for (int i = 0; i < 3; i++)
+            s->known[i] += 0.0 + held[i][0] * w[0] + held[i][1] * w[1] + held[i][2] * w[2];
+    } else if (s->transfers) {
+        respond_to(s, n, held, s->known, 0.0, transfer[0], transfer[1]);
+    }
+    if (!s->any) return;
+
+    const double longitudinal = (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia;
+    for (size_t i = 0; s->any_along && i < s->motions; i++) {
+        const double *x = s->motion[i].x;
+        double(*e)[3] = s->of_along[i];
+        const double f = 2.0 * c->c_f * (delta - (x[0] + c->l_f * x[1]) / v_x);
+        const double b = 2.0 * c->c_r * ((c->l_r * x[1] - x[0]) / v_x);
+        if (s->along[MASS])
+            respond_to(s, n, held, e[MASS], c->q.mass * longitudinal, c->q.mass * (f + b - c->c_y * x[0] * x[0]) / c->mass, 0.0);
+        if (s->along[YAW_INERTIA])
+            respond_to(s, n, held, e[YAW_INERTIA], 0.0, 0.0, c->q.yaw_inertia * (c->l_f * f - c->l_r * b) / c->yaw_inertia);
+        if (s->along[FRONT_STIFFNESS]) respond_to_forces(s, n, held, e[FRONT_STIFFNESS], c->q.front * f, 0.0);
+        if (s->along[REAR_STIFFNESS]) respond_to_forces(s, n, held, e[REAR_STIFFNESS], 0.0, c->q.rear * b);
+        if (s->along[FRICTION])
+            respond_to_forces(s, n, held, e[FRICTION], -f * deficit(f / s->front_holds), -b * deficit(b / s->rear_holds));
+    }
+
+    double(*e)[3] = s->of_common;
+    const double wind = c->q.gust_speed;
+    const double gust = c->q.gust_coefficient * wind * sqrt(v_x * v_x + wind * wind);
+    const double bank = c->mass * c->q.bank, by_steering = 2.0 * c->c_f;
+    if (s->common[LOAD_TRANSFER])
+        respond_to(s, n, held, e[LOAD_TRANSFER], 0.0, c->q.load_transfer * transfer[0], c->q.load_transfer * transfer[1]);
+    if (s->common[BANK]) respond_to(s, n, held, e[BANK], 0.0, c->q.bank, 0.0);
+    if (s->common[GUST])
+        respond_to(s, n, held, e[GUST], 0.0, s->lighter * gust / c->mass, s->easier * c->q.gust_ahead * gust / c->yaw_inertia);
+    if (s->common[RATIO]) respond_to_forces(s, n, held, e[RATIO], by_steering * (c->q.ratio * delta), 0.0);
+    if (s->common[OFFSET]) respond_to_forces(s, n, held, e[OFFSET], by_steering * c->q.offset, 0.0);
+    if (s->common[FRONT_SIDE_FORCE])
+        respond_to_forces(s, n, held, e[FRONT_SIDE_FORCE], c->q.front * ((bank * c->l_r + gust * s->front_lever) / s->wheelbase), 0.0);
+    if (s->common[REAR_SIDE_FORCE])
+        respond_to_forces(s, n, held, e[REAR_SIDE_FORCE], 0.0, c->q.rear * ((bank * c->l_f + gust * s->rear_lever) / s->wheelbase));
+
+    for (int k = 0; k < SENSED; k++) {
+        if (!s->sensed[k]) continue;
+        double error[2], premise[3], next[3];
+        error_of(c, k, v_x, error);
+        for (int i = 0; i < 3; i++) premise[i] = period * (jacobian[i][0] * error[0] + jacobian[i][2] * error[1]);
+        const double *x = s->of_sensed[k];
+        for (int i = 0; i < 3; i++)
+            next[i] = (0.0 + n[i][0] * x[0] + n[i][1] * x[1] + n[i][2] * x[2])
+                - ((0.0 + l[i][0] * error[0] + l[i][1] * error[1])
+                   + (0.0 + c->m[i][0] * premise[0] + c->m[i][1] * premise[1] + c->m[i][2] * premise[2]));
+        for (int i = 0; i < 3; i++) s->of_sensed[k][i] = next[i];
+    }
+}
+
+/* Takes the reference motions on by the trapezoidal rule. */
+static void advance_motions(Instance *s, double v_x, double r, double delta) {
+    const double half = 0.5 * s->c.period;
+    const double share = (v_x / s->critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
+    const double draw = DRAW * smaller(larger(share, 0.0), 1.0);
+    for (size_t i = 0; i < s->motions; i++) {
+        Motion *m = &s->motion[i];
+        const double a_11 = half * m->lateral[0] / v_x, a_12 = half * (m->lateral[1] / v_x - v_x);
+        const double a_21 = half * m->yaw[0] / v_x, a_22 = half * (m->yaw[1] / v_x - draw);
+        const double b_1 = half * m->lateral[2] * delta, b_2 = half * (m->yaw[2] * delta + draw * r);
+        const double right_1 = m->x[0] + a_11 * m->x[0] + a_12 * m->x[1] + 2.0 * b_1;
+        const double right_2 = m->x[1] + a_21 * m->x[0] + a_22 * m->x[1] + 2.0 * b_2;
+        const double determinant = (1.0 - a_11) * (1.0 - a_22) - a_12 * a_21;
+        m->x[0] = ((1.0 - a_22) * right_1 + a_12 * right_2) / determinant;
+        m->x[1] = (a_21 * right_1 + (1.0 - a_11) * right_2) / determinant;
     }
 }
 
 static void run_sample(Instance *s) {
     const Configuration *c = &s->c;
-    const double v_x = s->y[0], r = s->y[1];
+    const double v_x = s->y[0], r = s->y[1] - c->yaw_rate_bias, delta = s->u[1] - c->steering_offset;
 
     if (s->sample == 0) {
+        s->filtered = v_x;
+        for (int i = 0; i < MOTIONS; i++) s->motion[i].x[1] = r;
         for (int i = 0; i < 3; i++) s->z[i] = 0.0 + c->m[i][0] * v_x + c->m[i][1] * 0.0 + c->m[i][2] * r;
     }
+    const double a_x = (v_x - s->filtered) / (ACCELERATION_FILTER + c->period);
+    s->filtered += c->period * a_x;
     double x_hat[3];
     for (int i = 0; i < 3; i++) x_hat[i] = s->z[i] - (0.0 + c->e[i][0] * v_x + c->e[i][1] * r);
 
@@ -201,7 +407,7 @@ static void run_sample(Instance *s) {
     };
     const double phi[3] = {0.0, s->g_phi * (v_y * v_y), 0.0};
     double w[3], z[3];
-    for (int i = 0; i < 3; i++) w[i] = (g[i] + (0.0 + s->b[i][0] * s->u[0] + s->b[i][1] * s->u[1])) + phi[i];
+    for (int i = 0; i < 3; i++) w[i] = (g[i] + (0.0 + s->b[i][0] * s->u[0] + s->b[i][1] * delta)) + phi[i];
     for (int i = 0; i < 3; i++) {
         const double n_z = 0.0 + n[i][0] * s->z[0] + n[i][1] * s->z[1] + n[i][2] * s->z[2];
         const double l_y = 0.0 + l[i][0] * v_x + l[i][1] * r;
@@ -210,18 +416,18 @@ static void run_sample(Instance *s) {
     }
     for (int i = 0; i < 3; i++) s->z[i] = z[i];
 
-    /* Residual, less the response to Euler's remainder; levels of what is uncertain and of the fault. */
-    s->residual[0] = v_x - x_hat[0] - s->remainder[0];
-    s->residual[1] = r - x_hat[2] - s->remainder[2];
-    const double seen = push(&s->seen, square(c, s->fault[0], s->fault[2]), c->window);
+    /* Residual, less the response to what is known; levels of what is uncertain and of the fault. */
+    s->residual[0] = v_x - x_hat[0] - s->known[0];
+    s->residual[1] = r - x_hat[2] - s->known[2];
+    const double fault = size(c, s->fault);
+    const double seen = push(&s->seen, fault * fault, c->window);
     double uncertain = 0.0;
     if (s->any) {
-        double bound = 0.0;
-        for (int k = 0; k < UNCERTAINTIES; k++)
-            if (s->acts[k]) bound += sqrt(square(c, s->responses[k][0], s->responses[k][2]));
-        uncertain = push(&s->uncertain, bound * bound, c->window);
+        const double most = bound(s, v_x);
+        uncertain = push(&s->uncertain, most * most, c->window);
     }
-    advance_responses(s, n, v_x, v_y, r);
+    advance_responses(s, n, l, v_x, v_y, r, delta, a_x);
+    advance_motions(s, v_x, r, delta);
     s->j_rms = push(&s->j, square(c, s->residual[0], s->residual[1]), c->window);
 
     /* Threshold with its start-up term. */

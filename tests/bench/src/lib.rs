@@ -11,7 +11,7 @@ use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
 use steerguard_designer::{Spec, design};
-use steerguard_detector::Configuration;
+use steerguard_detector::{Actuator, Configuration};
 use steerguard_fmi2::pointers;
 use steerguard_fmi2::types::{
     fmi2CallbackFunctions, fmi2CoSimulation, fmi2False, fmi2Status, fmi2True,
@@ -118,10 +118,10 @@ impl Detector {
     /// The detector in plain C.
     ///
     /// # Errors
-    /// If its library cannot be loaded.
+    /// If its library cannot be loaded, or the configuration has an actuator, which it does not know.
     pub fn plain_c(configuration: &Configuration, step_s: f64) -> Result<Self, Error> {
         let code = load(Path::new(env!("DETECTOR_C")))?;
-        let configuration = CConfiguration::of(configuration);
+        let configuration = CConfiguration::of(configuration)?;
         // SAFETY: detector.c declares the function with this type, and `CConfiguration` is its
         // Configuration; it copies what it is given.
         let component = unsafe {
@@ -199,7 +199,7 @@ fn load(path: &Path) -> Result<Library, Error> {
 /// `Configuration` of detector.c.
 #[repr(C)]
 struct CConfiguration {
-    vehicle: [f64; 9],
+    vehicle: [f64; 10],
     period: f64,
     range: [f64; 4],
     n: [[[f64; 3]; 3]; 4],
@@ -210,20 +210,23 @@ struct CConfiguration {
     threshold: f64,
     start_up: [f64; 2],
     share: f64,
-    uncertainty: [f64; 5],
-    gust: [f64; 3],
+    uncertainty: [f64; 14],
     smallest_fault: [f64; 3],
+    zero: [f64; 2],
     euler_correction: usize,
     window: usize,
 }
 
 impl CConfiguration {
-    fn of(configuration: &Configuration) -> Self {
-        let Configuration { model, gains, evaluation, deviations, .. } = configuration;
-        let uncertainty = &deviations.uncertainty;
-        let gust = &uncertainty.gust;
+    fn of(configuration: &Configuration) -> Result<Self, Error> {
+        let Configuration { model, gains, evaluation, deviations, actuator, zero, .. } =
+            configuration;
+        let q = &deviations.uncertainty;
+        if *actuator != Actuator::NONE || q.slowest(actuator) != *actuator {
+            return Err("the detector in plain C knows no actuator".into());
+        }
         let v = &model.vehicle;
-        Self {
+        Ok(Self {
             vehicle: [
                 v.mass_kg,
                 v.yaw_inertia_kg_m2,
@@ -234,6 +237,7 @@ impl CConfiguration {
                 v.rear_cornering_stiffness_n_per_rad,
                 v.longitudinal_drag_n_m_s2_per_m2,
                 v.lateral_drag_n_s2_per_m2,
+                v.centre_of_gravity_height_m,
             ],
             period: model.sampling_period_s,
             range: [model.range.v_x.min, model.range.v_x.max, model.range.r.min, model.range.r.max],
@@ -246,17 +250,26 @@ impl CConfiguration {
             start_up: [evaluation.start_up_amplitude, evaluation.start_up_decay],
             share: evaluation.uncertainty_share,
             uncertainty: [
-                uncertainty.mass,
-                uncertainty.yaw_inertia,
-                uncertainty.front_cornering_stiffness,
-                uncertainty.rear_cornering_stiffness,
-                uncertainty.bank_m_per_s2,
+                q.mass,
+                q.yaw_inertia,
+                q.front_cornering_stiffness,
+                q.rear_cornering_stiffness,
+                q.friction.unwrap_or(0.0),
+                q.load_transfer,
+                q.bank_m_per_s2,
+                q.gust.speed_m_per_s,
+                q.gust.coefficient_n_s2_per_m2,
+                q.gust.acting_ahead_m,
+                q.steering_ratio,
+                q.steering_offset_rad,
+                q.yaw_rate_bias_rad_per_s,
+                q.v_x_scale,
             ],
-            gust: [gust.speed_m_per_s, gust.coefficient_n_s2_per_m2, gust.acting_ahead_m],
             smallest_fault: deviations.smallest_fault,
+            zero: [zero.steering_offset_rad, zero.yaw_rate_bias_rad_per_s],
             euler_correction: usize::from(deviations.euler_correction),
             window: evaluation.window,
-        }
+        })
     }
 }
 
@@ -264,9 +277,27 @@ impl CConfiguration {
 mod tests {
     use super::*;
 
+    /// `design` with all that plain C knows: sensors with zeros and errors, tyres that let reference
+    /// motions be drawn to the measured yaw rate.
+    fn with_everything(mut design: BakedDesign) -> BakedDesign {
+        let Configuration { deviations, zero, .. } = &mut design.configuration;
+        let uncertainty = &mut deviations.uncertainty;
+        uncertainty.front_cornering_stiffness = 0.5;
+        uncertainty.rear_cornering_stiffness = 0.5;
+        uncertainty.steering_ratio = 0.03;
+        uncertainty.steering_offset_rad = 0.004;
+        uncertainty.yaw_rate_bias_rad_per_s = 0.002;
+        uncertainty.v_x_scale = 0.01;
+        zero.steering_offset_rad = 0.01;
+        zero.yaw_rate_bias_rad_per_s = -0.005;
+        design
+    }
+
     #[test]
     fn both_give_the_same_outputs_bit_for_bit() {
-        for (name, design) in designs().unwrap() {
+        let [paper, default] = designs().unwrap();
+        let everything = ("everything", with_everything(default.1));
+        for (name, design) in [paper, default, everything] {
             let configuration = &design.configuration;
             let step_s = configuration.model.sampling_period_s;
             let mut packaged = Detector::packaged(&fmu(&design).unwrap(), step_s).unwrap();

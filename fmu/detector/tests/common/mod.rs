@@ -13,8 +13,8 @@ use std::ptr;
 use std::sync::LazyLock;
 
 use steerguard_detector::{
-    Actuator, Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, TsModel,
-    Vehicle,
+    Actuator, Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, Staleness,
+    TsModel, Vehicle, Zero,
 };
 use steerguard_fmi2::types::*;
 use steerguard_fmu::{BakedDesign, DetectorModel};
@@ -55,6 +55,7 @@ pub fn design() -> BakedDesign {
         start_up_amplitude: 0.1,
         start_up_decay: 0.97,
         debounce_samples: 1,
+        alarm_hold_s: 1.0,
     };
     BakedDesign {
         hash: *b"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef",
@@ -68,7 +69,14 @@ pub fn design() -> BakedDesign {
             gains,
             evaluation,
             deviations: Deviations::NONE,
-            actuator: Actuator { lag_s: 0.05, delay_s: 0.037, rate_limit_rad_per_s: Some(0.4) },
+            actuator: Actuator {
+                lag_s: 0.05,
+                delay_s: 0.037,
+                rate_limit_rad_per_s: Some(0.4),
+                angle_limit_rad: Some(0.6),
+            },
+            zero: Zero::default(),
+            staleness: Staleness { after_s: 0.0, v_x_jump_m_per_s: 0.3, r_jump_rad_per_s: 0.2 },
         },
     }
 }
@@ -150,6 +158,10 @@ impl Detector {
 
     pub fn set_integer(&self, variable: DetectorVariable, value: i32) -> fmi2Status {
         unsafe { fmi2SetInteger(self.c, &variable.value_reference(), 1, &value) }
+    }
+
+    pub fn set_boolean(&self, variable: DetectorVariable, value: bool) -> fmi2Status {
+        unsafe { fmi2SetBoolean(self.c, &variable.value_reference(), 1, &value.into()) }
     }
 
     pub fn step(&self, point: f64, size: f64) -> fmi2Status {
