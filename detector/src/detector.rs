@@ -194,8 +194,7 @@ impl Detector {
             staleness,
         } = *configuration;
         let observer = Observer::new(model, gains);
-        let references =
-            References::new(&model.vehicle, &deviations.uncertainty, model.sampling_period_s);
+        let references = deviations.uncertainty.references(&model.vehicle, model.sampling_period_s);
         Ok(Self {
             observer,
             armed_range: model.range.shrunk(hysteresis),

@@ -14,12 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::{product, sum};
 use crate::reference::{MOTIONS, ReferenceMotion, References};
-use crate::{
-    Actuator, Configuration, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState,
-};
-
-/// Standard gravity, m/s^2.
-pub const GRAVITY_M_PER_S2: f64 = 9.80665;
+use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
 
 /// What is not known of vehicle, road, air and sensors: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,6 +176,12 @@ impl Uncertainty {
         yaw_rate_bias_rad_per_s: 0.0,
         v_x_scale: 0.0,
     };
+
+    /// The reference motions of `vehicle`.
+    pub(crate) fn references(&self, vehicle: &Vehicle, period_s: f64) -> References {
+        let stiffnesses = [self.front_cornering_stiffness, self.rear_cornering_stiffness];
+        References::new(vehicle, stiffnesses, self.mass, period_s)
+    }
 
     /// The slowest that an `actuator` may be.
     pub fn slowest(&self, actuator: &Actuator) -> Actuator {
@@ -394,7 +395,7 @@ impl Responses {
 
     /// What each cause at its bound does to the residual at this sample, `||W_r r||`, in the order of
     /// [`Cause::ALL`]; of those along the motions the largest.
-    fn levels_by_cause(
+    pub(crate) fn levels_by_cause(
         &self,
         deviations: &Deviations,
         observer: &Observer,
@@ -528,53 +529,8 @@ impl Responses {
     }
 }
 
-/// What a detector's responses come to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SteadyResponse {
-    /// `||W_r r||` of each cause at its bound, in the order of [`Cause::ALL`]; of those along the
-    /// reference motions the largest.
-    pub by_cause: [f64; CAUSES],
-    /// `||W_r r||` of the smallest fault of interest.
-    pub fault: f64,
-}
-
-/// The responses of a detector with `configuration` after `samples` at the state `x` and input `u`, the
-/// reference motions having come to rest there.
-pub fn steady_response(
-    configuration: &Configuration,
-    x: VehicleState,
-    u: Input,
-    samples: u32,
-) -> SteadyResponse {
-    let Configuration { model, gains, evaluation, deviations, .. } = configuration;
-    let observer = Observer::new(*model, *gains);
-    let uncertainty = &deviations.uncertainty;
-    let references = References::new(&model.vehicle, uncertainty, model.sampling_period_s);
-    let raising = Evaluation { uncertainty_share: 1.0, ..*evaluation };
-    let standing = Standing::new(deviations, &observer, &raising, references.distinct);
-    let h = observer.membership(x.measured());
-    let (n, l) = (observer.n(&h), observer.l(&h));
-    let VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s } = x;
-    let mut place = Place {
-        x,
-        u,
-        slowest_behind_rad: 0.0,
-        a_x_m_per_s2: 0.0,
-        motions: [ReferenceMotion { v_y_m_per_s, r_rad_per_s }; MOTIONS],
-    };
-    let mut responses = Responses::NONE;
-    for _ in 0..samples {
-        responses.advance(&standing, deviations, &observer, &n, &l, &place);
-        references.advance(&mut place.motions, v_x_m_per_s, r_rad_per_s, u.delta_rad);
-    }
-    SteadyResponse {
-        by_cause: responses.levels_by_cause(deviations, &observer, evaluation, v_x_m_per_s),
-        fault: size(evaluation, responses.fault),
-    }
-}
-
 /// `||W_r C e||`.
-fn size(evaluation: &Evaluation, e: StateVector) -> f64 {
+pub(crate) fn size(evaluation: &Evaluation, e: StateVector) -> f64 {
     libm::sqrt(evaluation.square(VehicleState::from(e).measured()))
 }
 

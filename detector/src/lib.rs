@@ -30,6 +30,7 @@ mod range;
 mod reference;
 mod sensors;
 mod signals;
+mod steady;
 mod ts_model;
 mod vehicle;
 
@@ -39,15 +40,13 @@ pub use detector::{
     AlarmCause, Detector, Initialisation, LARGEST_ESTIMATE, Monitor, Output, State, StateCause,
     StateError,
 };
-pub use deviation::{
-    CAUSES, Cause, Deviations, GRAVITY_M_PER_S2, Gust, Place, Responses, SteadyResponse,
-    Uncertainty, steady_response,
-};
+pub use deviation::{CAUSES, Cause, Deviations, Gust, Place, Responses, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};
 pub use reference::{MOTIONS, ReferenceMotion};
 pub use sensors::{Signal, Staleness, Zero};
 pub use signals::{Input, Measurement, StateVector, VehicleState};
+pub use steady::{SteadyResponse, steady_response};
 pub use ts_model::{C, RULES, TsModel};
-pub use vehicle::Vehicle;
+pub use vehicle::{GRAVITY_M_PER_S2, Vehicle};

@@ -13,7 +13,7 @@
 //!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
 //! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
 
-use crate::{Uncertainty, Vehicle, VehicleState};
+use crate::{Vehicle, VehicleState};
 
 /// Number of reference motions.
 pub const MOTIONS: usize = 3;
@@ -76,15 +76,14 @@ pub(crate) struct References {
 }
 
 impl References {
-    pub(crate) fn new(vehicle: &Vehicle, uncertainty: &Uncertainty, period_s: f64) -> Self {
-        let c_f = uncertainty.front_cornering_stiffness;
-        let c_r = uncertainty.rear_cornering_stiffness;
+    /// Those of a vehicle with relative uncertainties of its front and rear stiffness and its mass.
+    pub(crate) fn new(vehicle: &Vehicle, [c_f, c_r]: [f64; 2], mass: f64, period_s: f64) -> Self {
         let softest = |c: f64| (1.0 - c).max(0.1);
         let factors = [(1.0, 1.0), (1.0 + c_f, softest(c_r)), (softest(c_f), 1.0 + c_r)];
         Self {
             motions: factors.map(|(front, rear)| Coefficients::of(vehicle, front, rear)),
             distinct: if c_f > 0.0 || c_r > 0.0 { MOTIONS } else { 1 },
-            critical_m_per_s: critical_speed(vehicle, 1.0 + c_f, softest(c_r), uncertainty.mass),
+            critical_m_per_s: critical_speed(vehicle, 1.0 + c_f, softest(c_r), mass),
             period_s,
         }
     }
@@ -93,7 +92,7 @@ impl References {
     fn draw_per_s(&self, v_x: f64) -> f64 {
         self.critical_m_per_s.map_or(0.0, |critical| {
             let share = (v_x / critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
-            DRAW_PER_S * share.max(0.0).min(1.0)
+            DRAW_PER_S * share.clamp(0.0, 1.0)
         })
     }
 

@@ -3,7 +3,10 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{GRAVITY_M_PER_S2, Input, StateVector, VehicleState};
+use crate::{Input, StateVector, VehicleState};
+
+/// Standard gravity, m/s^2.
+pub const GRAVITY_M_PER_S2: f64 = 9.80665;
 
 /// Vehicle data, Table 1 of the paper. All values positive and finite; drags may be zero.
 #[derive(Clone, Copy, Debug, PartialEq)]

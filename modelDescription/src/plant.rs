@@ -108,6 +108,9 @@ variables! {
         ActuatorAngleLimit, "actuator.angle_limit",
             "Largest angle of the road wheel to either side by the steering actuator, 0 for no limit",
             Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(0.0).max(1.6).nominal(0.5);
+        SteeringRatio, "steering.ratio",
+            "Angle of the road wheel per commanded angle: 1 where the steering ratio is right",
+            Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(0.1).max(10.0).nominal(1.0);
         SteeringOffset, "steering.offset",
             "What the steering shows at zero: the road wheel stands this far to the right of u.delta",
             Role::FIXED_PARAMETER, Kind::real(&unit::RADIAN).min(-0.2).max(0.2).nominal(0.005);

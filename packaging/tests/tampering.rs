@@ -196,7 +196,8 @@ edits! {
         => "`detector.evaluation.window`";
     specified_window_in_samples: |d| d["spec"]["evaluation"]["window_samples"] = json!(41)
         => "`detector.evaluation.window`";
-    actuator: |d| change(d, "/detector/actuator/lag_s", |_| 0.05) => "`detector.actuator`";
+    actuator: |d| change(d, "/detector/actuator/lag_s", |_| 0.05)
+        => "`detector.actuator.lag_s`";
     gains_of_a_rule: |d| change(d, "/detector/gains/n/2/1/1", |x| x + 1e-7)
         => "`detector.gains.n[2]`";
     calibrated_level: |d| change(d, "/threshold/calibration/level", |x| 2.0 * x)

@@ -446,7 +446,7 @@ fn leaves(value: &Value, pointer: &str, found: &mut Vec<String>) {
 #[test]
 fn every_number_of_the_detector_is_vouched_for() {
     for text in [PAPER, NOISE, GUARANTEED] {
-        let mut pointers = Vec::new();
+        let (mut pointers, mut overlooked) = (Vec::new(), Vec::new());
         leaves(&parsed(text)["detector"], "/detector", &mut pointers);
         assert!(pointers.len() > 120, "{}", pointers.len());
         for pointer in pointers {
@@ -459,20 +459,29 @@ fn every_number_of_the_detector_is_vouched_for() {
                     Value::Number(_) if pointer.contains("/start_up_") => {
                         json!(0.9 * value.as_f64().unwrap())
                     }
-                    number => json!(number.as_f64().unwrap() * 1.01 + 0.01),
+                    number => json!(number.as_f64().unwrap() * 1.013 + 0.017),
                 };
             });
-            assert!(result.is_err(), "{pointer} is not looked at");
+            if result.is_ok() {
+                overlooked.push(pointer);
+            }
         }
+        assert_eq!(overlooked, [""; 0]);
     }
 }
 
 /// So is another number in the specification, but where it says how something was simulated or searched,
-/// or is for recorded drives alone.
+/// is for recorded drives alone, or is a name.
 #[test]
 fn every_number_of_the_specification_is_held_against_the_rest() {
-    let free = ["/spec/sensors/steering_ratio", "/spec/design/", "/spec/evaluation/calibration/"];
-    let mut pointers = Vec::new();
+    let free = [
+        "/spec/sensors/steering_ratio",
+        "/spec/disturbance/0/name",
+        "/spec/uncertainty/friction/1",
+        "/spec/design/",
+        "/spec/evaluation/calibration/",
+    ];
+    let (mut pointers, mut overlooked) = (Vec::new(), Vec::new());
     leaves(&parsed(PAPER)["spec"], "/spec", &mut pointers);
     for pointer in pointers {
         if free.iter().any(|free| pointer.starts_with(free)) {
@@ -481,16 +490,17 @@ fn every_number_of_the_specification_is_held_against_the_rest() {
         let result = forged(PAPER, |design| {
             let value = at(design, &pointer);
             *value = match &*value {
-                Value::Null if pointer.ends_with("band_hz") => json!([0.0, 1.0]),
                 Value::Null => json!(0.5),
                 Value::Bool(x) => json!(!x),
                 Value::String(text) => json!(format!("{text} and more")),
                 number => json!(number.as_f64().unwrap() * 1.05 + 0.05),
             };
         });
-        println!("{pointer}: {result:?}");
-        assert!(result.is_err(), "{pointer} is not looked at");
+        if result.is_ok() {
+            overlooked.push(pointer);
+        }
     }
+    assert_eq!(overlooked, [""; 0]);
 }
 
 /// Figures that agree with each other, but not with the gains.
@@ -520,6 +530,7 @@ fn frozen_figures_are_those_of_the_gains() {
 
     let quieter = forged(NOISE, |design| {
         at(design, "/spec/noise/r")["white_std_rad_per_s"] = json!(0.001);
+        *at(design, "/detector/staleness/r_jump_rad_per_s") = json!(20.0 * 0.01 + 8.5 * 0.001);
     });
     let Err(Refusal::Disagreement { key, .. }) = quieter else { panic!("{quieter:?}") };
     assert!(key.contains("noise_rms"), "{key}");
@@ -710,6 +721,8 @@ fn guaranteed_threshold_stands_for_the_bounds_of_the_specification() {
     // Noise that is white only.
     let unbounded = with_forged_hash(|design| {
         *at(design, "/spec/noise/r/white_std_rad_per_s") = json!(0.002);
+        *at(design, "/detector/staleness/after_s") = json!(0.2);
+        *at(design, "/detector/staleness/r_jump_rad_per_s") = json!(20.0 * 0.01 + 8.5 * 0.002);
         *at(design, "/spec/evaluation/threshold") = json!("guaranteed");
         *at(design, "/threshold/kind") = json!("guaranteed");
     });

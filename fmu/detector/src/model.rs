@@ -31,6 +31,8 @@ pub struct DetectorModel {
     initialisation: i32,
     z_0: StateVector,
     start_time_s: f64,
+    /// Whether a measurement that jumped has been reported.
+    jump_reported: bool,
 }
 
 impl DetectorModel {
@@ -98,6 +100,38 @@ impl DetectorModel {
         Status::Ok
     }
 
+    /// Reports, once, a measurement that no vehicle reaches from the `last` within a sample: a wrong unit or
+    /// a broken signal.
+    #[inline(never)]
+    fn report_jump(&mut self, last: Measurement, log: &Log<'_>) {
+        let staleness = &self.design.configuration.staleness;
+        let now = self.detector.state().last;
+        let signals = [
+            ("v_x", now.v_x_m_per_s - last.v_x_m_per_s, staleness.v_x_jump_m_per_s, " m/s", "km/h"),
+            (
+                "r",
+                now.r_rad_per_s - last.r_rad_per_s,
+                staleness.r_jump_rad_per_s,
+                " rad/s",
+                "deg/s",
+            ),
+        ];
+        let jumps = |change: f64, most: f64| most > 0.0 && (change > most || change < -most);
+        for (name, change, most, unit, other_unit) in signals {
+            if jumps(change, most) {
+                self.jump_reported = true;
+                let time_s = self.time_s(self.detector.state().sample.saturating_sub(1));
+                let change = change.max(-change);
+                log.event(|text| {
+                    text.str(name).str(" changes by ").rounded(change).str(unit);
+                    text.str(" within a sample at ").real(time_s).str(" s, ");
+                    text.rounded(change / most).str(" times the most that a vehicle and the ");
+                    text.str("sensor's noise allow: is it in ").str(other_unit).str("?");
+                });
+            }
+        }
+    }
+
     /// What lies outside the range of the design, its value and the range; or what keeps the detector
     /// from arming.
     fn place(&self, output: &Output, text: &mut Text) {
@@ -137,7 +171,7 @@ impl DetectorModel {
         if value.is_finite() {
             text.str("is beyond its limit, +-").rounded(signal.limit()).str(guess);
         } else {
-            text.str("is no number");
+            text.str("is not finite");
         }
         text.str("; the last results are held until inputs are valid again");
     }
@@ -165,6 +199,7 @@ impl Model for DetectorModel {
             initialisation: FIRST_MEASUREMENT,
             z_0: [0.0; 3],
             start_time_s: 0.0,
+            jump_reported: false,
         })
     }
 
@@ -368,7 +403,14 @@ impl Model for DetectorModel {
 
     fn sample(&mut self, log: &Log<'_>) -> Status {
         let before = *self.output();
+        let last = self.detector.state().last;
         let after = self.detector.sample(self.measurement, self.input);
+        let both_valid = !matches!(before.monitor, Monitor::Starting | Monitor::InvalidInput)
+            && after.monitor != Monitor::InvalidInput;
+        if both_valid && !self.jump_reported {
+            self.report_jump(last, log);
+        }
+        let after = self.output();
         if after.monitor == before.monitor
             && after.state_cause == before.state_cause
             && after.alarm == before.alarm
@@ -409,6 +451,7 @@ impl Model for DetectorModel {
         for number in self.z_0.iter_mut().chain([&mut self.start_time_s]) {
             archive.finite(number);
         }
+        archive.flag(&mut self.jump_reported);
         let configuration = &self.design.configuration;
         let window = configuration.evaluation.window;
         let actuator = configuration.actuator;

@@ -2,7 +2,7 @@
 
 use steerguard_detector::{Actuator, Vehicle};
 use steerguard_world::{
-    CALM_S, Course, Fault, FaultKind, GUST_S, Gusts, Manoeuvre, Plan, Stream, Tyres, Wind,
+    CALM_S, Course, Fault, FaultKind, GUST_S, Gusts, Manoeuvre, Plan, Steering, Stream, Tyres, Wind,
 };
 
 use super::names::{FaultName, ManoeuvreName};
@@ -76,6 +76,10 @@ enum Quantity {
     Friction = 37,
     ActuatorLag = 38,
     ActuatorDelay = 39,
+    SteeringRatio = 40,
+    SteeringOffset = 41,
+    SpeedScale = 42,
+    LoadTransfer = 43,
     Fault = 48,
     FaultSize = 49,
     FaultSign = 50,
@@ -131,8 +135,10 @@ pub struct Drive {
     pub vehicle: Vehicle,
     /// Its tyres.
     pub tyres: Tyres,
-    /// Its steering actuator.
-    pub actuator: Actuator,
+    /// Its steering.
+    pub steering: Steering,
+    /// Relative error of the measured speed.
+    pub v_x_scale: f64,
     /// What its steering suffers from.
     pub fault: Option<Fault>,
 }
@@ -169,7 +175,8 @@ impl Drive {
             },
             sensor_bias: [
                 draw.within(Quantity::SpeedBias, sensors.v_x_bias_m_per_s),
-                draw.within(Quantity::YawRateBias, sensors.r_bias_rad_per_s),
+                subject.zero.yaw_rate_bias_rad_per_s
+                    + draw.within(Quantity::YawRateBias, sensors.r_bias_rad_per_s),
             ],
             vehicle: vehicle(draw, settings, &subject.vehicle),
             tyres: if saturated {
@@ -181,7 +188,18 @@ impl Drive {
             } else {
                 Tyres::Linear
             },
-            actuator,
+            steering: Steering {
+                actuator,
+                ratio: 1.0
+                    / (1.0
+                        + draw.uniform(Quantity::SteeringRatio, bounds.steering_ratio_percent)
+                            / 100.0),
+                offset_rad: subject.zero.steering_offset_rad
+                    + draw
+                        .within(Quantity::SteeringOffset, bounds.steering_offset_deg)
+                        .to_radians(),
+            },
+            v_x_scale: draw.within(Quantity::SpeedScale, bounds.v_x_scale_percent) / 100.0,
             fault: fault(draw, settings),
         }
     }
@@ -244,6 +262,7 @@ fn plan(draw: Draw, settings: &Settings, subject: &Subject) -> Plan {
 
 /// The `nominal` vehicle, within the bounds of `settings`.
 fn vehicle(draw: Draw, settings: &Settings, nominal: &Vehicle) -> Vehicle {
+    let transfer = settings.uncertainty.bounds.load_transfer_percent;
     let [of_mass, of_yaw_inertia, of_front, of_rear] =
         settings.uncertainty.bounds.intervals_percent();
     let Vehicle {
@@ -265,6 +284,11 @@ fn vehicle(draw: Draw, settings: &Settings, nominal: &Vehicle) -> Vehicle {
             of_front,
         ),
         rear_cornering_stiffness_n_per_rad: draw.perturbed(Quantity::RearStiffness, rear, of_rear),
+        centre_of_gravity_height_m: draw.perturbed(
+            Quantity::LoadTransfer,
+            nominal.centre_of_gravity_height_m,
+            [-transfer, transfer],
+        ),
         ..*nominal
     }
 }
@@ -344,8 +368,12 @@ mod tests {
             if let Tyres::Saturating { friction } = drive.tyres {
                 prop_assert!(within(friction, SETTINGS.uncertainty.bounds.friction));
             }
-            prop_assert!(within(drive.actuator.lag_s, [0.0, 0.02]));
-            prop_assert!(within(drive.actuator.delay_s, [0.0, 0.03]));
+            let Steering { actuator, ratio, offset_rad } = drive.steering;
+            prop_assert!(within(actuator.lag_s, [0.0, 0.02]));
+            prop_assert!(within(actuator.delay_s, [0.0, 0.03]));
+            prop_assert!(within(1.0 / ratio, [0.95 - 1e-12, 1.1 + 1e-12]));
+            prop_assert!(within(offset_rad.to_degrees(), [-0.2, 0.2]));
+            prop_assert!(within(drive.v_x_scale, [-0.02, 0.02]));
             let Some(Fault { onset_s, kind }) = drive.fault else { return Ok(()) };
             prop_assert!(within(onset_s, [6.0 - 1e-9, 42.0]));
             match kind {
@@ -376,7 +404,8 @@ mod tests {
                 gusts: Gusts { speed_m_per_s: 0.0, ..drive.gusts },
                 vehicle: PAPER.vehicle,
                 tyres: Tyres::Linear,
-                actuator: PAPER.actuator,
+                steering: Steering::of(PAPER.actuator),
+                v_x_scale: 0.0,
                 ..drive
             });
             let healthy = draw(&Settings { faults: FaultMix::None, ..SETTINGS }, index);
@@ -395,7 +424,7 @@ mod tests {
         let subject = Subject { actuator, ..PAPER };
         let nominal = Settings { uncertainty: Uncertainty::NOMINAL, ..SETTINGS };
         for index in 0..100 {
-            let slower = Drive::draw(&SETTINGS, &subject, index).actuator;
+            let slower = Drive::draw(&SETTINGS, &subject, index).steering.actuator;
             assert!((0.1..=0.12).contains(&slower.lag_s));
             assert!((0.2..=0.23).contains(&slower.delay_s));
             assert_eq!(slower.rate_limit_rad_per_s, Some(0.5));

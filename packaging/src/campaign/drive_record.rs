@@ -63,6 +63,14 @@ record! {
         pub rear_cornering_stiffness_n_per_rad: f64,
         /// Friction coefficient; empty where the tyres are linear.
         pub friction: Option<f64>,
+        /// Height of the centre of gravity of the vehicle driven.
+        pub centre_of_gravity_height_m: f64,
+        /// Angle of the road wheel per commanded angle.
+        pub steering_ratio: f64,
+        /// How far the road wheel stands to the right of where it is commanded to be.
+        pub steering_offset_deg: f64,
+        /// Relative error of the measured v_x.
+        pub v_x_scale: f64,
         /// Lag of the steering actuator driven.
         pub actuator_lag_s: f64,
         /// Dead time of the steering actuator driven.
@@ -88,7 +96,7 @@ record! {
 impl From<&Drive> for DriveRecord {
     fn from(drive: &Drive) -> Self {
         let Drive { index, duration_s, plan, bank_deg, gusts, noise, sensor_bias, .. } = *drive;
-        let Drive { vehicle, tyres, actuator, fault, .. } = *drive;
+        let Drive { vehicle, tyres, steering, v_x_scale, fault, .. } = *drive;
         let [v_x_bias_m_per_s, r_bias_rad_per_s] = sensor_bias;
         let mut record = Self {
             index,
@@ -119,8 +127,12 @@ impl From<&Drive> for DriveRecord {
                 Tyres::Linear => None,
                 Tyres::Saturating { friction } => Some(friction),
             },
-            actuator_lag_s: actuator.lag_s,
-            actuator_delay_s: actuator.delay_s,
+            centre_of_gravity_height_m: vehicle.centre_of_gravity_height_m,
+            steering_ratio: steering.ratio,
+            steering_offset_deg: steering.offset_rad.to_degrees(),
+            v_x_scale,
+            actuator_lag_s: steering.actuator.lag_s,
+            actuator_delay_s: steering.actuator.delay_s,
             fault: FaultName::of(fault.as_ref()),
             onset_s: fault.map(|fault| fault.onset_s),
             fault_deg: None,

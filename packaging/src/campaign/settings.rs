@@ -3,7 +3,7 @@
 use serde::Serialize;
 use steerguard_designer::spec::{Fault, UncertaintyTable};
 use steerguard_designer::{Design, Spec};
-use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
+use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
 
 /// Settings of a campaign: with a design, they say everything about its drives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -81,11 +81,14 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// The sensors that the specification describes: its white noise, its bounds as bias.
+    /// The sensors that the specification describes: its white noise; its bounds, and the bias of the yaw
+    /// rate that is uncertain, as bias.
     pub fn of(spec: &Spec) -> Self {
         let [v_x_noise_m_per_s, r_noise_rad_per_s] = spec.noise.white_std();
-        let [v_x_bias_m_per_s, r_bias_rad_per_s] =
+        let [v_x_bias_m_per_s, r_bound_rad_per_s] =
             spec.noise.bounds().map(Option::unwrap_or_default);
+        let r_bias_rad_per_s =
+            r_bound_rad_per_s + spec.uncertainty.yaw_rate_bias_deg_per_s.to_radians();
         Self { v_x_noise_m_per_s, r_noise_rad_per_s, v_x_bias_m_per_s, r_bias_rad_per_s }
     }
 }
@@ -97,6 +100,8 @@ pub struct Subject {
     pub vehicle: Vehicle,
     /// The steering actuator it is made for.
     pub actuator: Actuator,
+    /// What its sensors show at zero.
+    pub zero: Zero,
     /// Sampling period, the communication step of the drives, s.
     pub period_s: f64,
     /// Speeds at which it arms, m/s.
@@ -125,6 +130,7 @@ impl Subject {
         Self {
             vehicle: design.detector.model.vehicle,
             actuator: spec.actuator.actuator(),
+            zero: spec.sensors.zero(),
             period_s: design.detector.model.sampling_period_s,
             armed_v_x: range.range().v_x.shrunk(v_x_hysteresis),
             lateral_acceleration_m_per_s2: calibration
@@ -146,6 +152,7 @@ pub(super) mod tests {
     pub const PAPER: Subject = Subject {
         vehicle: Vehicle::PAPER,
         actuator: Actuator::NONE,
+        zero: Zero { steering_offset_rad: 0.0, yaw_rate_bias_rad_per_s: 0.0 },
         period_s: 0.01,
         armed_v_x: Interval::new(5.5, 29.5),
         lateral_acceleration_m_per_s2: 3.0,
@@ -166,6 +173,9 @@ pub(super) mod tests {
             bounds: UncertaintyTable {
                 actuator_lag_s: 0.02,
                 actuator_delay_s: 0.03,
+                steering_ratio_percent: [-5.0, 10.0],
+                steering_offset_deg: 0.2,
+                v_x_scale_percent: 2.0,
                 ..UncertaintyTable::DEFAULT
             },
             saturation: true,

@@ -32,7 +32,7 @@ impl TestBench {
         let step_s = self.subject.period_s;
         let steps = libm::round(drive.duration_s / step_s) as u32;
         let (course, wind) = (drive.course(&self.subject), drive.wind(&self.subject));
-        let wheel = Wheel::new(|t| course.steering_rad(t), &drive.actuator, step_s, steps);
+        let wheel = Wheel::new(|t| course.steering_rad(t), &drive.steering, step_s, steps);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
         let excite = |t, v_x| {
@@ -47,12 +47,13 @@ impl TestBench {
         };
         rig.initialise(drive.duration_s, &excite(0.0, drive.plan.speed_m_per_s))?;
 
-        // Neither driver nor wind know of the bias of the measured speed.
+        // Neither driver nor wind know how the measured speed errs.
         let [v_x_bias, _] = drive.sensor_bias;
+        let true_speed = |v_x: f64| (v_x - v_x_bias) / (1.0 + drive.v_x_scale);
         let mut observation = Observation::default();
         for k in 0..steps {
             let time_s = f64::from(k) * step_s;
-            let sample = rig.step(time_s, step_s, |[v_x, _]| excite(time_s, v_x - v_x_bias))?;
+            let sample = rig.step(time_s, step_s, |[v_x, _]| excite(time_s, true_speed(v_x)))?;
             observation.add(&sample);
             record(&sample);
         }
@@ -72,6 +73,10 @@ impl TestBench {
             ("vehicle.C_f", vehicle.front_cornering_stiffness_n_per_rad),
             ("vehicle.C_r", vehicle.rear_cornering_stiffness_n_per_rad),
             ("road.bank", drive.bank_deg.to_radians()),
+            ("vehicle.h", vehicle.centre_of_gravity_height_m),
+            ("steering.ratio", drive.steering.ratio),
+            ("steering.offset", drive.steering.offset_rad),
+            ("sensor.v_x_scale", drive.v_x_scale),
             ("sensor.v_x_bias", v_x_bias_m_per_s),
             ("sensor.r_bias", r_bias_rad_per_s),
         ];
@@ -82,7 +87,7 @@ impl TestBench {
             let limited = self.plant.variable("tyre.friction_limited", Type::Boolean)?;
             rig.plant.set_boolean([limited], [1])?;
         }
-        rig.set_actuator(&self.plant, &drive.actuator)?;
+        rig.set_actuator(&self.plant, &drive.steering.actuator)?;
         rig.set_noise(&self.plant, &drive.noise, self.subject.period_s)
     }
 }

@@ -200,7 +200,9 @@ pub struct CampaignArguments {
     #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
     pub fault_deg: Option<[f64; 2]>,
     /// The design's own vehicle and actuator with linear tyres on a flat road in still air
-    #[arg(long, conflicts_with_all = ["parameters", "bank", "gust", "actuator_lag", "actuator_delay"])]
+    #[arg(long, conflicts_with_all = [
+        "parameters", "bank", "gust", "actuator_lag", "actuator_delay", "steering_ratio",
+        "steering_offset", "v_x_scale", "load_transfer", "friction"])]
     pub nominal: bool,
     /// Largest deviation of mass, yaw inertia and cornering stiffnesses, percent; default: the
     /// intervals of the design's [uncertainty]
@@ -218,6 +220,22 @@ pub struct CampaignArguments {
     /// Longest dead time of the steering actuator beyond the specified one, s; default: the design's
     #[arg(long, value_name = "S", value_parser = between::<0, 1>)]
     pub actuator_delay: Option<f64>,
+    /// Largest error of the steering ratio, percent; default: the design's
+    #[arg(long, value_name = "PERCENT", value_parser = between::<0, 50>)]
+    pub steering_ratio: Option<f64>,
+    /// Largest offset of the road wheel from its command, deg; default: the design's
+    #[arg(long, value_name = "DEG", value_parser = between::<0, 10>)]
+    pub steering_offset: Option<f64>,
+    /// Largest error of the measured speed, percent; default: the design's
+    #[arg(long, value_name = "PERCENT", value_parser = between::<0, 40>)]
+    pub v_x_scale: Option<f64>,
+    /// Largest error of the height of the centre of gravity, percent; default: the design's
+    #[arg(long, value_name = "PERCENT", value_parser = between::<0, 100>)]
+    pub load_transfer: Option<f64>,
+    /// Friction between tyre and road where it limits the axle forces, in half of the drives; default: the
+    /// design's
+    #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
+    pub friction: Option<[f64; 2]>,
     /// Standard deviation of the noise on v_x, m/s; default: the design's
     #[arg(long, value_name = "M_PER_S", value_parser = between::<0, 10>)]
     pub v_x_noise: Option<f64>,

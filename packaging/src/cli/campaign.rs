@@ -113,6 +113,13 @@ fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> Uncert
             *interval = [-percent, percent];
         }
     }
+    if let Some(percent) = arguments.steering_ratio {
+        bounds.steering_ratio_percent = [-percent, percent];
+    }
+    bounds.steering_offset_deg = arguments.steering_offset.unwrap_or(bounds.steering_offset_deg);
+    bounds.v_x_scale_percent = arguments.v_x_scale.unwrap_or(bounds.v_x_scale_percent);
+    bounds.load_transfer_percent = arguments.load_transfer.unwrap_or(bounds.load_transfer_percent);
+    bounds.friction = arguments.friction.unwrap_or(bounds.friction);
     bounds.bank_deg = arguments.bank.unwrap_or(bounds.bank_deg);
     bounds.actuator_lag_s = arguments.actuator_lag.unwrap_or(bounds.actuator_lag_s);
     bounds.actuator_delay_s = arguments.actuator_delay.unwrap_or(bounds.actuator_delay_s);

@@ -9,6 +9,7 @@
 
 use serde::{Serialize, Serializer};
 use steerguard_detector::{Actuator, Vehicle};
+use steerguard_world::Steering;
 
 use steerguard_designer::document::Mistakes;
 
@@ -142,7 +143,8 @@ pub fn run(
     };
     let faulty = match &scenario.fault {
         Some(table) => {
-            let wheel = Wheel::new(command_rad, &rig.actuator(plant)?, step_s, steps);
+            let steering = Steering::of(rig.actuator(plant)?);
+            let wheel = Wheel::new(command_rad, &steering, step_s, steps);
             Some((table.fault(), wheel))
         }
         None => None,
