@@ -35,14 +35,15 @@ pub fn remarks(sight: &Sight) -> Vec<String> {
     let smallest_deg = smallest_deg(sight);
     let mut remarks = vec![match sight.told_from_deg(smallest_deg) {
         None => format!(
-            "Bank and wind within their bounds look like {:.2} deg (F) at most, and between two vehicles \
-             twice that.",
+            "Straight and steady, bank and wind within their bounds look like a fault of {:.2} deg (F) at \
+             most, and between two vehicles twice that.",
             sight.bank_and_wind_deg
         ),
         Some(told_deg) => format!(
-            "Bank and wind within their bounds look like {:.2} deg (F). Between two vehicles it counts \
-             twice: no method can tell less than {told_deg:.2} deg from them, which is more than the \
-             smallest fault of interest, {smallest_deg} deg.",
+            "Straight and steady, bank and wind within their bounds look like a fault of {:.2} deg (F). \
+             Between two vehicles it counts twice: no method can tell a lasting fault of less than \
+             {told_deg:.2} deg from them, which is more than the smallest of interest, {smallest_deg} deg. \
+             What is seen of less is seen as it begins.",
             sight.bank_and_wind_deg
         ),
     }];
