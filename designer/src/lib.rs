@@ -19,6 +19,8 @@ pub mod lmi;
 pub mod problem;
 mod progress;
 pub mod search;
+pub mod sight;
+mod simulation;
 pub mod spec;
 pub mod synthesis;
 pub mod threshold;

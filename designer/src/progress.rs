@@ -33,6 +33,8 @@ pub enum Step {
         /// All drives.
         of: usize,
     },
+    /// Drives with faults.
+    Sight,
 }
 
 impl fmt::Display for Step {
@@ -46,6 +48,7 @@ impl fmt::Display for Step {
             Self::Certify => write!(f, "certifying the gains"),
             Self::StartUp => write!(f, "bounding the start-up"),
             Self::Guarantee => write!(f, "bounding the residual under disturbances and noise"),
+            Self::Sight => write!(f, "driving the design with faults"),
             Self::Calibration { done, of } => write!(f, "calibrating: drive {done} of {of}"),
         }
     }

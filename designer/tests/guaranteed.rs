@@ -65,7 +65,9 @@ fn worst_found_drives_stay_below_the_bound() {
 #[test]
 fn claim_and_causes_are_proven() {
     let design = with_noise();
-    assert_eq!(design.synthesis.status, DesignStatus::Certified);
+    // Proven, but half a degree drowns in what noise of 0.06 m/s may do.
+    assert_eq!(design.synthesis.status, DesignStatus::Blind);
+    assert!(design.performance.certified.is_some());
     let causes = &design.threshold;
     assert!(causes.calibration.is_none());
     let guaranteed = causes.guaranteed.as_ref().unwrap();

@@ -8,7 +8,7 @@ mod designed;
 mod fmu;
 
 use steerguard::drive::cosimulation::{Excitation, Rig};
-use steerguard::fmu::design_summary::baked;
+use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Fmu;
@@ -49,7 +49,8 @@ const END_S: f64 = 6.0;
 /// The detector of a specification with `[actuator]`, and its threshold.
 fn detector(actuator: &str) -> (Fmu, f64) {
     let design = designed(&Spec::from_toml(&format!("{actuator}\n{PAPER}")).unwrap()).unwrap();
-    let bytes = detector_fmu(&baked(&design).unwrap(), &[], &Runtimes::detector()).unwrap();
+    let bytes =
+        detector_fmu(&baked(&design).unwrap(), &Record::default(), &Runtimes::detector()).unwrap();
     (open(&bytes), design.detector.evaluation.threshold)
 }
 

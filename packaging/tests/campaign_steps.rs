@@ -11,6 +11,7 @@ use steerguard::campaign::settings::{FaultMix, Mix, Sensors, Settings, Subject, 
 use steerguard::campaign::simulation::TestBench;
 use steerguard::drive::cosimulation::Sample;
 use steerguard::drive::scenario::SensorNoise;
+use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::spec::UncertaintyTable;
@@ -49,7 +50,9 @@ const SETTINGS: Settings = Settings {
 
 fn bench() -> TestBench {
     TestBench {
-        detector: open(&detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap()),
+        detector: open(
+            &detector_fmu(&common::design(), &Record::default(), &Runtimes::detector()).unwrap(),
+        ),
         plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: SUBJECT,
     }
@@ -99,7 +102,7 @@ fn drives_are_driven_through_their_actuator() {
     let (mut knowing, unaware) = (common::design(), bench());
     knowing.configuration.actuator = actuator;
     let knowing = TestBench {
-        detector: open(&detector_fmu(&knowing, &[], &Runtimes::detector()).unwrap()),
+        detector: open(&detector_fmu(&knowing, &Record::default(), &Runtimes::detector()).unwrap()),
         plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: Subject { actuator, ..SUBJECT },
     };

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use object::{Object as _, ObjectSection as _};
 use proptest::prelude::*;
 use steerguard::check::check;
+use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
@@ -23,8 +24,9 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 type Entries = Vec<(String, Vec<u8>)>;
 
-static FMU: LazyLock<Vec<u8>> =
-    LazyLock::new(|| detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap());
+static FMU: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    detector_fmu(&common::design(), &Record::default(), &Runtimes::detector()).unwrap()
+});
 
 static LIBRARY: LazyLock<String> =
     LazyLock::new(|| Platform::HOST.unwrap().library_path(names::DETECTOR));

@@ -13,6 +13,7 @@ use object::{Object as _, ObjectSymbol as _};
 use steerguard::drive::cosimulation;
 use steerguard::drive::detection::Detection;
 use steerguard::drive::scenario::{Scenario, SensorNoise};
+use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Type;
@@ -39,7 +40,7 @@ const ALLOWED: [&str; 12] = [
 ];
 
 fn detector() -> Vec<u8> {
-    detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap()
+    detector_fmu(&common::design(), &Record::default(), &Runtimes::detector()).unwrap()
 }
 
 fn plant() -> Vec<u8> {
@@ -64,7 +65,7 @@ fn another_design_is_another_guid() {
     let mut other = common::design();
     other.configuration.gains.n[2][1][1] *= 1.0 + f64::EPSILON;
     other.hash[0] = b'f';
-    let other = detector_fmu(&other, &[], &Runtimes::detector()).unwrap();
+    let other = detector_fmu(&other, &Record::default(), &Runtimes::detector()).unwrap();
     let guid = |fmu: &[u8]| open(fmu).description().guid.clone();
     assert_ne!(guid(&detector()), guid(&other));
 }

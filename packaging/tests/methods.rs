@@ -9,7 +9,7 @@ mod fmu;
 
 use steerguard::drive::cosimulation::{self, Sample};
 use steerguard::drive::scenario::{Scenario, Signal};
-use steerguard::fmu::design_summary::baked;
+use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::{Design, DesignStatus, Spec};
@@ -36,8 +36,9 @@ fn designed_by(method: &str) -> Design {
 
 /// J without and with a fault of 1 degree, both without their transients: the largest, the smallest.
 fn levels(design: &Design, speed: f64) -> (f64, f64) {
-    let detector =
-        open(&detector_fmu(&baked(design).unwrap(), &[], &Runtimes::detector()).unwrap());
+    let detector = open(
+        &detector_fmu(&baked(design).unwrap(), &Record::default(), &Runtimes::detector()).unwrap(),
+    );
     let plant = open(&plant_fmu(&Runtimes::plant()).unwrap());
     let scenario = Scenario {
         steering_fault_deg: Signal { offset: 1.0, start_s: 10.0, ..Signal::default() },

@@ -7,13 +7,14 @@ mod common;
 use std::io::{Cursor, Read};
 
 use steerguard::check::check;
+use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::fmu::system::system_ssp;
 use steerguard_fmu::BakedDesign;
 
 fn system(design: &BakedDesign) -> Vec<u8> {
-    system_ssp(design, &[], &Runtimes::detector(), &Runtimes::plant()).unwrap()
+    system_ssp(design, &Record::default(), &Runtimes::detector(), &Runtimes::plant()).unwrap()
 }
 
 fn entry(ssp: &[u8], name: &str) -> Vec<u8> {
@@ -32,7 +33,10 @@ fn packaging_twice_gives_the_same_bytes() {
 fn the_fmus_are_the_packaged_ones() {
     let ssp = system(&common::design());
     let detector = entry(&ssp, "resources/SteeringFaultDetector.fmu");
-    assert_eq!(detector, detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap());
+    assert_eq!(
+        detector,
+        detector_fmu(&common::design(), &Record::default(), &Runtimes::detector()).unwrap()
+    );
     let plant = entry(&ssp, "resources/VehiclePlant.fmu");
     assert_eq!(plant, plant_fmu(&Runtimes::plant()).unwrap());
     for fmu in [detector, plant] {

@@ -26,6 +26,7 @@ use crate::analysis::frequency::{Frozen, PointFigures};
 use crate::document::Mistakes;
 use crate::lmi::matrix::Rows3;
 use crate::search::SearchRecord;
+use crate::sight::Sight;
 use crate::spec::{AIR_KG_PER_M3, Fault, MethodName, Spec, ThresholdKind};
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
@@ -208,6 +209,8 @@ pub enum DesignStatus {
     Uncertified,
     /// The solver says almost solved; there is no proof.
     AlmostSolved,
+    /// Proven or not, its own drives miss the smallest fault of interest: see [`Sight::blind`].
+    Blind,
 }
 
 /// What the gains are worth.
@@ -238,6 +241,8 @@ pub struct Performance {
     pub operating_points: Vec<PointFigures>,
     /// The faults that the gains were not made for.
     pub other_faults: Vec<FaultFigures>,
+    /// What the detector sees in simulated drives; null where the first fault is one of the drive torque.
+    pub sight: Option<Sight>,
 }
 
 /// What the gains are worth for a fault that they were not made for.

@@ -22,6 +22,7 @@ use crate::problem::inputs::{self, Inputs};
 use crate::problem::model;
 use crate::progress::Step;
 use crate::search::{SearchRecord, search};
+use crate::sight::{Sight, sight};
 use crate::spec::{MethodName, Spec};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
@@ -94,7 +95,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     let of_theorem = found.check.map(|_| &synthesis.lyapunov);
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
-    let Evaluated { detector, threshold, peaks } =
+    let Evaluated { detector, threshold, peaks, sight } =
         evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
 
     let design = Design {
@@ -146,6 +147,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             smallest_fault_residual,
             operating_points: worth.points.clone(),
             other_faults: other_faults(spec, gains, worth, &inputs)?,
+            sight,
         },
         certificate: Certificate {
             statement: of_theorem.map(|_| statement(theorem)),
@@ -279,13 +281,15 @@ fn other_faults(
 }
 
 /// Gives the design its status and hash. Only the proof of the very file grants "certified"; without
-/// it, no figure is claimed.
+/// it, no figure is claimed. What is blind is called so in either case.
 fn sign(mut design: Design) -> Result<Design, DesignError> {
+    let blind = design.performance.sight.as_ref().is_some_and(|sight| sight.blind.is_some());
+    let or_blind = |status| if blind { DesignStatus::Blind } else { status };
     let unproven = design.synthesis.status;
-    design.synthesis.status = DesignStatus::Certified;
+    design.synthesis.status = or_blind(DesignStatus::Certified);
     design.hash = design.computed_hash()?;
     if let Err(refusal) = steerguard_verify::verify(&design.to_json()?) {
-        design.synthesis.status = unproven;
+        design.synthesis.status = or_blind(unproven);
         design.synthesis.unproven = Some(refusal.to_string());
         design.performance.certified = None;
         design.certificate.a_posteriori = None;
@@ -321,6 +325,7 @@ struct Evaluated {
     threshold: ThresholdRecord,
     /// What proves a guaranteed threshold.
     peaks: Option<Vec<PeakCertificate>>,
+    sight: Option<Sight>,
 }
 
 /// Start-up bound and threshold.
@@ -366,9 +371,13 @@ fn evaluate(
         zero: spec.sensors.zero(),
         staleness: model::staleness(spec),
     };
-    let Threshold { threshold, uncertainty_share, calibration, uncertain, guaranteed, peaks } =
-        threshold::threshold(spec, theorem, gains, &configuration, progress)?;
+    let found = threshold::threshold(spec, theorem, gains, &configuration, progress)?;
+    let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
+    let detector = Configuration { evaluation, ..configuration };
+    progress(Step::Sight);
+    let sight = sight(spec, &detector, &found)?;
+    let Threshold { calibration, uncertain, guaranteed, peaks, .. } = found;
     let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
@@ -377,11 +386,7 @@ fn evaluate(
         uncertain,
         guaranteed,
     };
-    Ok(Evaluated {
-        detector: Configuration { evaluation, ..configuration },
-        threshold: causes,
-        peaks,
-    })
+    Ok(Evaluated { detector, threshold: causes, peaks, sight })
 }
 
 /// What a design may be called without a proof.

@@ -95,6 +95,26 @@ impl Disturbance {
         }
     }
 
+    /// The same, to be changed.
+    pub(crate) fn bound_mut(&mut self) -> &mut f64 {
+        match self {
+            Self::SideWind { bound_m_per_s2, .. } => bound_m_per_s2,
+            Self::Bank { bound_deg, .. } => bound_deg,
+            Self::YawMoment { bound_n_m, .. } => bound_n_m,
+            Self::Direction { bound, .. } => bound,
+        }
+    }
+
+    /// Key of its largest magnitude.
+    pub(crate) fn bound_key(&self) -> &'static str {
+        match self {
+            Self::SideWind { .. } => "bound_m_per_s2",
+            Self::Bank { .. } => "bound_deg",
+            Self::YawMoment { .. } => "bound_n_m",
+            Self::Direction { .. } => "bound",
+        }
+    }
+
     /// Unit of the disturbance.
     pub fn unit(&self) -> &'static str {
         match self {

@@ -5,23 +5,21 @@
 //! uncertain one, drawn anew for each drive, as are bank and gusts.
 //!
 //! # Conventions
-//! Inputs and wind are held from sample to sample, the disturbances for an integration step; of a
-//! specification with an actuator the steering is its command. The sensors' noise is that of the
-//! specification. Random numbers are those of the drive's number as seed.
+//! Those of [`crate::simulation`]. Random numbers are those of the drive's number as seed.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Evaluation, Input, Measurement, Monitor,
-    Output, StateVector, Vehicle, VehicleState,
+    Actuator, Configuration, ConfigurationError, Detector, Evaluation, Monitor, Output,
+    StateVector, Vehicle, VehicleState,
 };
 use steerguard_world::{
-    CALM_S, Course, Excitation, GUST_S, Gusts, Plan, STEP_S, Sensor, Sensors, State, Steering,
-    Stream, TrueVehicle, Tyres, Wind, World,
+    CALM_S, Course, GUST_S, Gusts, Plan, Steering, Stream, TrueVehicle, Tyres, Wind, World,
 };
 
-use crate::spec::{Manoeuvre, Noise, Spec};
+use crate::simulation::{Acting, Simulation, Surroundings, plus};
+use crate::spec::{Manoeuvre, Spec};
 
 /// Drives between two reports of progress.
 const DRIVES_AT_A_TIME: usize = 128;
@@ -193,6 +191,22 @@ pub fn calibrate(
     }))
 }
 
+/// The statistic of the worst drive behind `level`, of the specified vehicle, driven once more with what
+/// `spec` says of disturbances and noise. None without a monitored sample.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn worst_again(
+    spec: &Spec,
+    configuration: &Configuration,
+    level: &Level,
+) -> Result<Option<f64>, ConfigurationError> {
+    let detector = Detector::new(configuration)?;
+    let index = drives(spec).iter().position(|drive| *drive == level.worst).unwrap_or_default();
+    let population = Population::Specified;
+    Ok(run(spec, &configuration.evaluation, detector, &level.worst, index, population).level)
+}
+
 /// What one drive gave.
 struct Outcome {
     /// Largest statistic at a monitored sample.
@@ -212,39 +226,27 @@ fn run(
 ) -> Outcome {
     let surroundings = match population {
         Population::Specified => Surroundings::specified(spec),
-        Population::Uncertain => Surroundings::drawn(spec, index),
+        Population::Uncertain => drawn(spec, index),
     };
-    let Surroundings { world, wind, v_x_scale, yaw_rate_bias_rad_per_s } = surroundings;
     let t_s = spec.sampling.period_s;
-    let steps = (t_s / STEP_S).ceil().max(1.0);
-    let step_s = t_s / steps;
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
-    let sensors = sensors(&spec.noise, [v_x_scale, yaw_rate_bias_rad_per_s], t_s, index);
-    let bounds = spec.noise.bounds().map(|bound| bound.unwrap_or(0.0));
-    let course = course(spec, drive);
-
-    let motion = VehicleState {
-        v_x_m_per_s: drive.v_x_m_per_s,
-        v_y_m_per_s: drive.v_y_m_per_s,
-        r_rad_per_s: 0.0,
+    let simulation = Simulation {
+        sensors: surroundings.sensors(&spec.noise, t_s, index as u64),
+        surroundings,
+        course: course(spec, drive),
+        start: VehicleState {
+            v_x_m_per_s: drive.v_x_m_per_s,
+            v_y_m_per_s: drive.v_y_m_per_s,
+            r_rad_per_s: 0.0,
+        },
+        period_s: t_s,
+        samples,
     };
-    let mut state = State::new(&world, step_s, motion, course.steering_rad(0.0));
     let mut outcome = Outcome { level: None, monitored: 0, samples };
-    for k in 0..samples {
-        let t = k as f64 * t_s;
-        // What is bounded is at its bound along the disturbances' wave.
-        let wave = drive.disturbance.at(t);
-        let [v_x, r] = sensors.readings(k, state.motion.measured().vector());
-        let measured =
-            Measurement { v_x_m_per_s: v_x + bounds[0] * wave, r_rad_per_s: r + bounds[1] * wave };
-        let u = Input {
-            t_eng_n_m: course.drive_torque_n_m(t, measured.v_x_m_per_s),
-            delta_rad: course.steering_rad(t),
-        };
-        let output = detector.sample(measured, u);
-        if output.monitor == Monitor::Monitoring {
+    simulation.run(&mut detector, &Disturbed { spec, drive }, |_, detector| {
+        let Output { monitor, j_rms, j_th, .. } = *detector.output();
+        if monitor == Monitor::Monitoring {
             outcome.monitored += 1;
-            let Output { j_rms, j_th, .. } = *output;
             let start_up_term = detector.state().start_up.term(evaluation);
             let level = match population {
                 Population::Specified => j_rms - start_up_term,
@@ -252,133 +254,90 @@ fn run(
             };
             outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
         }
-        let [side_force_n, yaw_moment_n_m] =
-            wind.side_force_and_yaw_moment(t, state.motion.v_x_m_per_s);
-        let of_wind = world.vehicle.push(side_force_n, yaw_moment_n_m);
-        for inner in 0..steps as u32 {
-            let t = t + f64::from(inner) * step_s;
-            let excitation = Excitation {
-                drive_torque_n_m: u.t_eng_n_m,
-                command_rad: u.delta_rad,
-                fault_rad: 0.0,
-                push: plus(of_wind, disturbance(spec, drive, t)),
-            };
-            state.step(&world, &excitation, step_s);
-        }
-    }
+    });
     outcome
 }
 
-/// What a drive takes place in, and how its sensors err.
-struct Surroundings {
-    world: World,
-    wind: Wind,
-    /// Relative error of the speed shown.
-    v_x_scale: f64,
-    /// Yaw rate shown at standstill.
-    yaw_rate_bias_rad_per_s: f64,
-}
-
-impl Surroundings {
-    fn specified(spec: &Spec) -> Self {
-        let zero = spec.sensors.zero();
-        Self {
-            world: World::of(
-                TrueVehicle::linear(spec.vehicle),
-                Steering {
-                    offset_rad: zero.steering_offset_rad,
-                    ..Steering::of(spec.actuator.actuator())
-                },
-            ),
-            wind: Wind { gusts: Gusts::NONE, action: spec.uncertainty.gust() },
-            v_x_scale: 0.0,
-            yaw_rate_bias_rad_per_s: zero.yaw_rate_bias_rad_per_s,
-        }
-    }
-
-    /// Draws those of drive number `index`.
-    fn drawn(spec: &Spec, index: usize) -> Self {
-        let stream = Stream::new(index as u64, SURROUNDINGS_STREAM);
-        let mut numbers = 0..;
-        let mut between = |interval| stream.uniform(numbers.next().unwrap_or_default(), interval);
-        let uncertainty = &spec.uncertainty;
-        let [mass, yaw_inertia, front, rear] =
-            uncertainty.intervals_percent().map(|interval| 1.0 + between(interval) / 100.0);
-        let v = &spec.vehicle;
-        let (bank_deg, action) = (uncertainty.bank_deg, uncertainty.gust());
-        let fastest = action.speed_m_per_s;
-        let actuator = spec.actuator.actuator();
-        let vehicle = Vehicle {
-            mass_kg: mass * v.mass_kg,
-            effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
-            yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
-            front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
-            rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
-            ..*v
-        };
-        let actuator = Actuator {
-            lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
-            delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),
-            ..actuator
-        };
-        let bank_rad = between([-bank_deg, bank_deg]).to_radians();
-        let gusts = Gusts {
-            speed_m_per_s: between([-fastest, fastest]),
-            duration_s: between(GUST_S),
-            start_s: between(CALM_S),
-            pause_s: between(CALM_S),
-        };
-        let either = |most: f64| [-most, most];
-        let zero = spec.sensors.zero();
-        let steering = Steering {
-            actuator,
-            ratio: 1.0 / (1.0 + between(uncertainty.steering_ratio_percent) / 100.0),
-            offset_rad: zero.steering_offset_rad
-                + between(either(uncertainty.steering_offset_deg)).to_radians(),
-        };
-        let yaw_rate_bias_rad_per_s = zero.yaw_rate_bias_rad_per_s
-            + between(either(uncertainty.yaw_rate_bias_deg_per_s)).to_radians();
-        let v_x_scale = between(either(uncertainty.v_x_scale_percent)) / 100.0;
-        let transfer = 1.0 + between(either(uncertainty.load_transfer_percent)) / 100.0;
-        let friction = between(uncertainty.friction);
-        let tyres =
-            if uncertainty.tyres_end() { Tyres::Saturating { friction } } else { Tyres::Linear };
-        let data = Vehicle {
-            centre_of_gravity_height_m: transfer * vehicle.centre_of_gravity_height_m,
-            ..vehicle
-        };
-        Self {
-            world: World { bank_rad, ..World::of(TrueVehicle { data, tyres }, steering) },
-            wind: Wind { gusts, action },
-            v_x_scale,
-            yaw_rate_bias_rad_per_s,
-        }
+/// Draws the surroundings of drive number `index`.
+fn drawn(spec: &Spec, index: usize) -> Surroundings {
+    let stream = Stream::new(index as u64, SURROUNDINGS_STREAM);
+    let mut numbers = 0..;
+    let mut between = |interval| stream.uniform(numbers.next().unwrap_or_default(), interval);
+    let uncertainty = &spec.uncertainty;
+    let [mass, yaw_inertia, front, rear] =
+        uncertainty.intervals_percent().map(|interval| 1.0 + between(interval) / 100.0);
+    let v = &spec.vehicle;
+    let (bank_deg, action) = (uncertainty.bank_deg, uncertainty.gust());
+    let fastest = action.speed_m_per_s;
+    let actuator = spec.actuator.actuator();
+    let vehicle = Vehicle {
+        mass_kg: mass * v.mass_kg,
+        effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
+        yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
+        front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
+        rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
+        ..*v
+    };
+    let actuator = Actuator {
+        lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
+        delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),
+        ..actuator
+    };
+    let bank_rad = between([-bank_deg, bank_deg]).to_radians();
+    let gusts = Gusts {
+        speed_m_per_s: between([-fastest, fastest]),
+        duration_s: between(GUST_S),
+        start_s: between(CALM_S),
+        pause_s: between(CALM_S),
+    };
+    let either = |most: f64| [-most, most];
+    let zero = spec.sensors.zero();
+    let steering = Steering {
+        actuator,
+        ratio: 1.0 / (1.0 + between(uncertainty.steering_ratio_percent) / 100.0),
+        offset_rad: zero.steering_offset_rad
+            + between(either(uncertainty.steering_offset_deg)).to_radians(),
+    };
+    let yaw_rate_bias_rad_per_s = zero.yaw_rate_bias_rad_per_s
+        + between(either(uncertainty.yaw_rate_bias_deg_per_s)).to_radians();
+    let v_x_scale = between(either(uncertainty.v_x_scale_percent)) / 100.0;
+    let transfer = 1.0 + between(either(uncertainty.load_transfer_percent)) / 100.0;
+    let friction = between(uncertainty.friction);
+    let tyres =
+        if uncertainty.tyres_end() { Tyres::Saturating { friction } } else { Tyres::Linear };
+    let data = Vehicle {
+        centre_of_gravity_height_m: transfer * vehicle.centre_of_gravity_height_m,
+        ..vehicle
+    };
+    Surroundings {
+        world: World { bank_rad, ..World::of(TrueVehicle { data, tyres }, steering) },
+        wind: Wind { gusts, action },
+        v_x_scale,
+        yaw_rate_bias_rad_per_s,
     }
 }
 
-/// Sensors with the white noise of drive number `drive`, a scale of the speed and a bias of the yaw rate
-/// in rad/s.
-fn sensors(noise: &Noise, [scale, bias]: [f64; 2], period_s: f64, drive: usize) -> Sensors {
-    let [v_x_std, r_std] = noise.white_std();
-    let sensors = [
-        Sensor { noise_std: v_x_std, scale, ..Sensor::default() },
-        Sensor { noise_std: r_std, bias, ..Sensor::default() },
-    ];
-    Sensors { sensors, period_s, held: false, seed: drive as u64 }
+/// What acts in a drive: every disturbance and every bounded noise at its bound, along the same wave.
+struct Disturbed<'a> {
+    spec: &'a Spec,
+    drive: &'a Drive,
 }
 
-fn plus(a: StateVector, b: StateVector) -> StateVector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
+impl Acting for Disturbed<'_> {
+    fn on_measurement(&self, t: f64) -> [f64; 2] {
+        let wave = self.drive.disturbance.at(t);
+        self.spec.noise.bounds().map(|bound| bound.unwrap_or(0.0) * wave)
+    }
 
-/// Effect of the disturbances on the state's derivative at time `t`, every one at its bound.
-fn disturbance(spec: &Spec, drive: &Drive, t: f64) -> StateVector {
-    let wave = drive.disturbance.at(t);
-    let channels = spec.disturbance.iter().zip(&drive.disturbance.signs);
-    channels.fold([0.0; 3], |sum, (disturbance, sign)| {
-        let amplitude = sign * disturbance.bound() * wave;
-        plus(sum, disturbance.direction(&spec.vehicle).map(|x| amplitude * x))
-    })
+    fn on_vehicle(&self, t: f64) -> StateVector {
+        let Self { spec, drive } = self;
+        let wave = drive.disturbance.at(t);
+        let channels = spec.disturbance.iter().zip(&drive.disturbance.signs);
+        channels.fold([0.0; 3], |sum, (disturbance, sign)| {
+            let amplitude = sign * disturbance.bound() * wave;
+            plus(sum, disturbance.direction(&spec.vehicle).map(|x| amplitude * x))
+        })
+    }
 }
 
 /// Steering and speed of `drive`.

@@ -186,22 +186,29 @@ pub struct SteadyThreshold {
     pub smallest_fault_j: f64,
 }
 
-/// Lateral acceleration of the turns in [`by_cause`], m/s^2.
+/// Lateral acceleration of the turns among the [`steady_points`], m/s^2.
 const TURN_M_PER_S2: f64 = 3.0;
 /// Time until a response counts as steady, s: of the observer and of the vehicle's own motion.
 const STEADY_S: f64 = 20.0;
 
-/// The threshold of a detector with `configuration` straight ahead and in a turn of 3 m/s^2, or as
-/// much as the range of r allows, at the lowest, middle and highest armed speed.
+/// The threshold of a detector with `configuration` at the [`steady_points`].
 pub fn by_cause(configuration: &Configuration) -> Vec<SteadyThreshold> {
+    let points = steady_points(configuration).into_iter();
+    points.map(|[v_x, a_y]| steady(configuration, v_x, a_y)).collect()
+}
+
+/// Speed in m/s and lateral acceleration in m/s^2 straight ahead and in a turn of 3 m/s^2, or as much
+/// as the range of r allows, at the lowest, middle and highest armed speed.
+pub fn steady_points(configuration: &Configuration) -> Vec<[f64; 2]> {
     let armed = configuration.model.range.shrunk(configuration.hysteresis);
     let middle = 0.5 * (armed.v_x.min + armed.v_x.max);
     let speeds = [armed.v_x.min, middle, armed.v_x.max];
-    let points = speeds.into_iter().flat_map(|v_x| [0.0, TURN_M_PER_S2].map(|a_y| (v_x, a_y)));
-    points.map(|(v_x, a_y)| steady(configuration, v_x, a_y.min(v_x * armed.r.max))).collect()
+    let turn = |v_x: f64| TURN_M_PER_S2.min(v_x * armed.r.max);
+    speeds.into_iter().flat_map(|v_x| [[v_x, 0.0], [v_x, turn(v_x)]]).collect()
 }
 
-fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold {
+/// The threshold of a detector with `configuration` at speed `v_x` and lateral acceleration `a_y`.
+pub fn steady(configuration: &Configuration, v_x: f64, a_y: f64) -> SteadyThreshold {
     let Configuration { model, evaluation, .. } = configuration;
     let (x, u) = steady_turn(configuration, v_x, a_y);
     let samples = (STEADY_S / model.sampling_period_s).ceil() as u32;

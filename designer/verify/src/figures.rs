@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::agreement::{ROUNDING, at_most, near, same, within};
 use crate::band::Band;
-use crate::read::{Design, Evaluation, Fault, Frozen, Level, Point, Rows3};
+use crate::read::{Design, Evaluation, Fault, Frozen, Gust, Level, Point, Rows3, Sight, Status};
 use crate::refusal::Refusal;
 
 /// Share of the drives that the confidence of a [`Level`] leaves: it holds with 95 %.
@@ -25,7 +25,8 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
     start_up(design)?;
     synthesis(design)?;
     performance(design)?;
-    certified(design)
+    certified(design)?;
+    sight(design)
 }
 
 /// Threshold and share from levels and margin, by kind.
@@ -202,6 +203,56 @@ fn certified(design: &Design) -> Result<(), Refusal> {
         at_most("performance.frozen.gamma", frozen.gamma, claimed.gamma)?;
     }
     Ok(())
+}
+
+/// What bank and wind look like, and that the status is what the drives say; not the drives.
+fn sight(design: &Design) -> Result<(), Refusal> {
+    let sight = design.performance.sight.as_ref();
+    let smallest_deg = match design.spec.fault[0] {
+        Fault::Steering { smallest_deg, .. } => Some(smallest_deg),
+        Fault::Torque { .. } => None,
+    };
+    same("performance.sight: whether there is one", &sight.is_some(), &smallest_deg.is_some())?;
+    let missed = match (sight, smallest_deg) {
+        (Some(sight), Some(smallest_deg)) => {
+            let key = "performance.sight.bank_and_wind_deg";
+            near(key, sight.bank_and_wind_deg, bank_and_wind_deg(design))?;
+            missed(sight, smallest_deg)?
+        }
+        _ => false,
+    };
+    let blind = sight.is_some_and(|sight| sight.blind.is_some());
+    same("performance.sight.blind: whether it is", &blind, &missed)?;
+    let status = design.synthesis.status == Status::Blind;
+    same("synthesis.status: whether it is \"blind\"", &status, &missed)
+}
+
+/// Whether the smallest fault, of `smallest_deg`, is missed straight ahead at some speed.
+fn missed(sight: &Sight, smallest_deg: f64) -> Result<bool, Refusal> {
+    let mut seen = Vec::new();
+    for (index, course) in sight.judged().enumerate() {
+        let key = format!("performance.sight.courses: straight {index}, its first fault_deg");
+        let first = course.faults.first();
+        near(&key, first.map_or(f64::NAN, |fault| fault.fault_deg), smallest_deg)?;
+        seen.extend(first.map(|fault| fault.seen));
+    }
+    same("performance.sight.courses: whether one is straight", &!seen.is_empty(), &true)?;
+    Ok(seen.contains(&false))
+}
+
+/// The road-wheel angle that bank and gust at their bounds look like, straight and steady, deg: method 12.
+fn bank_and_wind_deg(design: &Design) -> f64 {
+    let model = &design.detector.model;
+    let uncertainty = &design.detector.deviations.uncertainty;
+    let Gust { speed_m_per_s: w, coefficient_n_s2_per_m2, acting_ahead_m } = uncertainty.gust;
+    let v = &model.vehicle;
+    let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+    let (c_f, c_r) = (v.front_cornering_stiffness_n_per_rad, v.rear_cornering_stiffness_n_per_rad);
+    let understeer = v.mass_kg * (l_r * c_r - l_f * c_f) / (2.0 * c_f * c_r * (l_f + l_r));
+    let force = coefficient_n_s2_per_m2 * w * model.range.v_x.max.hypot(w);
+    let [front, rear] = [(l_r + acting_ahead_m) / c_f, (l_f - acting_ahead_m) / c_r];
+    let of_gust = force * (front - rear) / (2.0 * (l_f + l_r));
+    (understeer * uncertainty.bank_m_per_s2).abs().to_degrees() + of_gust.abs().to_degrees()
 }
 
 /// The largest magnitude of an eigenvalue: `||N^(2^k)||^(1 / 2^k)`.

@@ -9,7 +9,7 @@ const USAGE: &str = "usage: steerguard-verify FILE
 
 Proves every inequality behind the certified figures of a design file (design.json), for the gains
 as stored, in exact arithmetic, and recomputes what follows from the rest of the file. Exit status:
-0 proven; 1 not proven, be it that the design says so itself, or changed; 2 unreadable.";
+0 proven; 1 not proven or blind, be it that the design says so itself, or changed; 2 unreadable.";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os().skip(1);
@@ -33,7 +33,8 @@ fn main() -> ExitCode {
         Ok(verdict) => {
             // Whoever closed the pipe has read enough.
             let _ = write!(std::io::stdout(), "{verdict}");
-            if verdict.is_certified() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+            let good = verdict.is_certified() && !verdict.is_blind();
+            if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
         Err(refusal) if refusal.is_unreadable() => {
             eprintln!("error: {shown}: {refusal}");

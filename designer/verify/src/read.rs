@@ -397,6 +397,8 @@ pub enum Status {
     Uncertified,
     /// The solver says almost solved; there is no proof.
     AlmostSolved,
+    /// Proven or not, its own drives miss the smallest fault of interest.
+    Blind,
 }
 
 #[derive(Deserialize)]
@@ -411,6 +413,38 @@ pub struct Performance {
     pub smallest_fault_residual: f64,
     pub operating_points: Vec<Point>,
     pub other_faults: Vec<OtherFault>,
+    /// Null where the first fault is one of the drive torque.
+    pub sight: Option<Sight>,
+}
+
+/// What simulated drives with faults show.
+#[derive(Deserialize)]
+pub struct Sight {
+    pub courses: Vec<CourseSight>,
+    pub bank_and_wind_deg: f64,
+    /// Null where the design is not blind.
+    pub blind: Option<Value>,
+}
+
+#[derive(Deserialize)]
+pub struct CourseSight {
+    pub v_x_m_per_s: f64,
+    pub lateral_acceleration_m_per_s2: f64,
+    /// The smallest of interest first.
+    pub faults: Vec<FaultSight>,
+}
+
+#[derive(Deserialize)]
+pub struct FaultSight {
+    pub fault_deg: f64,
+    pub seen: bool,
+}
+
+impl Sight {
+    /// The courses straight ahead, on which the verdict rests.
+    pub fn judged(&self) -> impl Iterator<Item = &CourseSight> {
+        self.courses.iter().filter(|course| course.lateral_acceleration_m_per_s2 == 0.0)
+    }
 }
 
 /// Worst gains at frozen operating points.

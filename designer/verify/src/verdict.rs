@@ -51,6 +51,11 @@ impl Verdict {
         })
     }
 
+    /// Whether its own drives miss the smallest fault of interest.
+    pub fn is_blind(&self) -> bool {
+        self.status == Status::Blind
+    }
+
     /// Whether its figures are proven.
     pub fn is_certified(&self) -> bool {
         self.figures.is_some()
@@ -140,6 +145,17 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
             ));
         }
     }
+    if let Some(sight) = &design.performance.sight {
+        let (mut seen, mut straight) = (0, 0);
+        for course in sight.judged() {
+            straight += 1;
+            seen += usize::from(course.faults.first().is_some_and(|fault| fault.seen));
+        }
+        unchecked.push(format!(
+            "`performance.sight`: that the smallest fault was seen on {seen} of {straight} straight \
+             courses, and what else simulated drives show"
+        ));
+    }
     if threshold.kind == "constant" {
         unchecked.push("`spec.evaluation.constant`: the threshold, as specified".to_owned());
     }
@@ -216,6 +232,13 @@ impl fmt::Display for Verdict {
                 )?;
             }
             None => writeln!(f, "not certified, as it says of itself: design {}", self.hash)?,
+        }
+        if self.is_blind() {
+            writeln!(
+                f,
+                "blind, as it says of itself: its drives miss the smallest fault of interest straight \
+                 ahead"
+            )?;
         }
         writeln!(f, "proven in exact arithmetic, for the gains as stored:")?;
         for statement in &self.statements {

@@ -50,6 +50,8 @@ pub enum Manoeuvre {
     Weave,
     /// ISO 7401: a fast ramp, held.
     StepSteer,
+    /// ISO 4138: a fast ramp, held for good.
+    SteadyTurn,
     /// One period of a sine of 0.5 Hz.
     LaneChange,
     /// ISO 3888-1, by an open-loop substitute.
@@ -141,6 +143,7 @@ impl Course {
             Manoeuvre::Sine => (f64::INFINITY, sine(a_y, SINE_HZ)),
             Manoeuvre::Weave => (f64::INFINITY, sine(a_y, WEAVE_HZ)),
             Manoeuvre::StepSteer => (STEP_HOLD_S, held),
+            Manoeuvre::SteadyTurn => (f64::INFINITY, held),
             Manoeuvre::LaneChange => (1.0 / LANE_CHANGE_HZ, sine(a_y, LANE_CHANGE_HZ)),
             Manoeuvre::DoubleLaneChange => {
                 let [_, second] = lane_changes;
@@ -181,6 +184,9 @@ impl Course {
             Manoeuvre::Sine => endless(SINE_HZ),
             Manoeuvre::Weave => endless(WEAVE_HZ),
             Manoeuvre::StopAndGo { .. } => endless(GENTLE_STEERING_HZ),
+            Manoeuvre::SteadyTurn => {
+                side * self.trapezoid(since_s, 0.0, self.run_s, self.amplitude_rad)
+            }
             _ => {
                 let cycle_s = self.run_s + self.plan.pause_s;
                 let run = libm::floor(since_s / cycle_s);
@@ -309,7 +315,7 @@ mod tests {
         pause_s: 3.0,
     };
 
-    const MANOEUVRES: [Manoeuvre; 10] = [
+    const MANOEUVRES: [Manoeuvre; 11] = [
         Manoeuvre::Straight,
         Manoeuvre::Sine,
         Manoeuvre::Weave,
@@ -323,6 +329,7 @@ mod tests {
             lowest_speed_m_per_s: 2.0,
             longitudinal_acceleration_m_per_s2: 2.5,
         },
+        Manoeuvre::SteadyTurn,
     ];
 
     fn course(plan: Plan) -> Course {
@@ -403,6 +410,13 @@ mod tests {
         assert!(held(0.0) > 0.0);
         assert_eq!(held(0.0), -held(1.0));
         assert_eq!(held(0.0), held(2.0));
+    }
+
+    #[test]
+    fn a_steady_turn_stays() {
+        let course = of(Manoeuvre::SteadyTurn);
+        assert_eq!(course.steering_rad(PLAN.start_s + 1.0), course.amplitude_rad);
+        assert_eq!(course.steering_rad(1e6), course.amplitude_rad);
     }
 
     #[test]

@@ -231,6 +231,7 @@ fn plan(draw: Draw, settings: &Settings, subject: &Subject) -> Plan {
         ManoeuvreName::Weave => Manoeuvre::Weave,
         ManoeuvreName::StepSteer => Manoeuvre::StepSteer,
         ManoeuvreName::LaneChange => Manoeuvre::LaneChange,
+        ManoeuvreName::SteadyTurn => Manoeuvre::SteadyTurn,
         ManoeuvreName::DoubleLaneChange => Manoeuvre::DoubleLaneChange,
         ManoeuvreName::SineWithDwell => Manoeuvre::SineWithDwell,
         ManoeuvreName::Roundabout => {

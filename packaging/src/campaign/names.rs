@@ -27,6 +27,8 @@ named! {
         Sine = "sine",
         /// [`Manoeuvre::LaneChange`].
         LaneChange = "lane change",
+        /// [`Manoeuvre::SteadyTurn`].
+        SteadyTurn = "steady turn",
     }
 }
 
@@ -39,6 +41,7 @@ impl ManoeuvreName {
             Manoeuvre::Weave => Self::Weave,
             Manoeuvre::StepSteer => Self::StepSteer,
             Manoeuvre::LaneChange => Self::LaneChange,
+            Manoeuvre::SteadyTurn => Self::SteadyTurn,
             Manoeuvre::DoubleLaneChange => Self::DoubleLaneChange,
             Manoeuvre::SineWithDwell => Self::SineWithDwell,
             Manoeuvre::Roundabout { .. } => Self::Roundabout,

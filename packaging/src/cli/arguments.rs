@@ -63,6 +63,8 @@ pub enum Command {
 pub enum Allowance {
     /// The proof of its figures
     Uncertified,
+    /// The sight of its smallest fault of interest
+    Blind,
 }
 
 /// Arguments of `design`.
@@ -98,7 +100,7 @@ pub struct PackageArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
     /// designed
     pub design: PathBuf,
-    /// Use the design although it is not certified; everything made of it says so
+    /// Use the design although it is not certified, or blind; everything made of it says so
     #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
     pub allow: Vec<Allowance>,
     /// FMU to write
@@ -172,7 +174,7 @@ pub struct CampaignArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
     /// designed
     pub design: PathBuf,
-    /// Use the design although it is not certified; everything made of it says so
+    /// Use the design although it is not certified, or blind; everything made of it says so
     #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
     pub allow: Vec<Allowance>,
     /// Number of drives

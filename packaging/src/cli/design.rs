@@ -42,10 +42,10 @@ pub(super) fn write(design: &Design, path: &Path) -> Result<(), Failure> {
     Ok(output::write(path, text.as_bytes())?)
 }
 
-/// Only a certified design is a yes.
+/// Only a certified design that sees is a yes.
 pub(super) fn exit(design: &Design) -> Exit {
     match design.synthesis.status {
         DesignStatus::Certified => Exit::Done,
-        DesignStatus::Uncertified | DesignStatus::AlmostSolved => Exit::No,
+        DesignStatus::Uncertified | DesignStatus::AlmostSolved | DesignStatus::Blind => Exit::No,
     }
 }

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use steerguard_designer::document::{Mistakes, Source};
-use steerguard_designer::{Design, DesignError, DesignFileError, Spec};
+use steerguard_designer::{Design, DesignError, DesignFileError, DesignStatus, Spec};
 use steerguard_verify::Refusal;
 
 use crate::cli::arguments::Allowance;
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
 use crate::drive::scenario::Scenario;
+use crate::fmu::sight;
 
 /// Text of the file at `path`.
 pub(super) fn text(path: &Path) -> Result<String, Failure> {
@@ -79,8 +80,8 @@ fn document<T>(
     })
 }
 
-/// The design in the file at `path`, verified, or made from the specification there. It is certified,
-/// or `allowed` not to be.
+/// The design in the file at `path`, verified, or made from the specification there. It is certified
+/// and sees, or is `allowed` not to.
 pub(super) fn design(
     path: &Path,
     allowed: &[Allowance],
@@ -100,6 +101,12 @@ pub(super) fn design(
         return Err(Failure::no(format!("the design is not certified: {missed}"))
             .at(path.display())
             .help("--allow uncertified uses it all the same; what is made of it says so"));
+    }
+    if design.synthesis.status == DesignStatus::Blind && !allowed.contains(&Allowance::Blind) {
+        let why = design.performance.sight.as_ref().and_then(sight::blindness).unwrap_or_default();
+        return Err(Failure::no(format!("the design is blind: {why}"))
+            .at(path.display())
+            .help("--allow blind uses it all the same; what is made of it says so"));
     }
     Ok(design)
 }

@@ -69,7 +69,7 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
         files: Results { design: design_file, fmus, simulation: files },
     };
     print(json, &demonstration, &text(&demonstration))?;
-    Ok(if right { Exit::Done } else { Exit::No })
+    Ok(if right { design::exit(&designed) } else { Exit::No })
 }
 
 fn text(demonstration: &Demonstration) -> String {

@@ -11,7 +11,7 @@ use super::print::print;
 use crate::cli::arguments::PackageArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
-use crate::fmu::design_summary::{baked, causes, status};
+use crate::fmu::design_summary::{Record, baked, status};
 use crate::fmu::package::{PackageError, detector_fmu, plant_fmu};
 use crate::fmu::runtime::Runtimes;
 use crate::fmu::system::system_ssp;
@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
     Ok(Exit::Done)
 }
 
-/// A line that says so where a design is not certified.
+/// A line that says so where a design is not certified, or blind.
 pub(super) fn caution(of: DesignStatus) -> String {
     match of {
         DesignStatus::Certified => String::new(),
@@ -81,7 +81,7 @@ pub(super) fn detector(
     runtimes: &Runtimes,
     path: &Path,
 ) -> Result<Packaged, Failure> {
-    write(path, detector_fmu(&payload(design)?, &causes(&design.threshold), runtimes))
+    write(path, detector_fmu(&payload(design)?, &Record::of(design), runtimes))
 }
 
 fn payload(design: &Design) -> Result<BakedDesign, Failure> {
@@ -95,10 +95,7 @@ pub(super) fn plant(path: &Path) -> Result<Packaged, Failure> {
 
 /// Packages detector and reference vehicle as a connected system.
 fn system(design: &Design, runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failure> {
-    write(
-        path,
-        system_ssp(&payload(design)?, &causes(&design.threshold), runtimes, &Runtimes::plant()),
-    )
+    write(path, system_ssp(&payload(design)?, &Record::of(design), runtimes, &Runtimes::plant()))
 }
 
 fn write(path: &Path, fmu: Result<Vec<u8>, PackageError>) -> Result<Packaged, Failure> {

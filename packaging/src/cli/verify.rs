@@ -12,6 +12,7 @@ use crate::cli::failure::{Exit, Failure};
 #[derive(Serialize)]
 struct Verified {
     hash: String,
+    blind: bool,
     #[serde(flatten)]
     figures: Option<Certified>,
     #[serde(flatten)]
@@ -81,10 +82,10 @@ pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failu
     let checked = steerguard_verify::verify(&input::text(path)?);
     let proof = Proof::of(&checked);
     let verdict = checked.map_err(|refusal| input::refused(refusal, path))?;
-    let (text, exit) =
-        (verdict.to_string(), if verdict.is_certified() { Exit::Done } else { Exit::No });
+    let (text, blind) = (verdict.to_string(), verdict.is_blind());
+    let exit = if verdict.is_certified() && !blind { Exit::Done } else { Exit::No };
     let Verdict { hash, figures, statements, unchecked, .. } = verdict;
     let figures = figures.map(Certified::from);
-    print(json, &Verified { hash, figures, proof, statements, unchecked }, &text)?;
+    print(json, &Verified { hash, blind, figures, proof, statements, unchecked }, &text)?;
     Ok(exit)
 }

@@ -69,6 +69,7 @@ impl ManoeuvreTable {
             ManoeuvreName::Weave => Manoeuvre::Weave,
             ManoeuvreName::StepSteer => Manoeuvre::StepSteer,
             ManoeuvreName::LaneChange => Manoeuvre::LaneChange,
+            ManoeuvreName::SteadyTurn => Manoeuvre::SteadyTurn,
             ManoeuvreName::DoubleLaneChange => Manoeuvre::DoubleLaneChange,
             ManoeuvreName::SineWithDwell => Manoeuvre::SineWithDwell,
             ManoeuvreName::Roundabout => {

@@ -1,12 +1,14 @@
 //! The figures of a design that people ask for first.
 
 use serde::Serialize;
+use steerguard_designer::sight::Sight;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::calibration::Level;
 use steerguard_designer::threshold::{CAUSES, SteadyThreshold, by_cause};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
+use crate::fmu::sight;
 use crate::output::table::aligned;
 
 /// Figures of a design.
@@ -50,6 +52,24 @@ pub struct DesignSummary {
     pub threshold_causes: Vec<Cause>,
     /// J_th in steady driving, with what is uncertain.
     pub threshold_by_cause: Vec<SteadyThreshold>,
+    /// What the detector sees in simulated drives; `None` where the first fault is one of the drive torque.
+    pub sight: Option<Sight>,
+}
+
+/// What the documentation of an FMU tells of its design beyond what is baked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Of the threshold.
+    pub causes: Vec<Cause>,
+    /// What simulated drives show.
+    pub sight: Option<Sight>,
+}
+
+impl Record {
+    /// That of `design`.
+    pub fn of(design: &Design) -> Self {
+        Self { causes: causes(&design.threshold), sight: design.performance.sight.clone() }
+    }
 }
 
 /// What a share of the threshold's level comes from.
@@ -112,6 +132,7 @@ impl DesignSummary {
             threshold_kind: design.threshold.kind,
             threshold_causes: causes(&design.threshold),
             threshold_by_cause: by_cause(&design.detector),
+            sight: performance.sight.clone(),
         }
     }
 
@@ -122,7 +143,7 @@ impl DesignSummary {
         let synthesis = &self.synthesis;
         let row = |name: &str, value: String, remark: String| vec![name.to_owned(), value, remark];
         let mut rows = vec![
-            row("status", status(self.status).into(), proof.unwrap_or_default().into()),
+            row("status", self.status_in_words(), proof.unwrap_or_default().into()),
             row(
                 "detection ratio",
                 format!("{:.3}", self.detection_ratio),
@@ -189,7 +210,21 @@ impl DesignSummary {
             text += "  J_th in steady driving by cause, x 1e-3\n";
             text += &aligned(&cause_rows(&self.threshold_by_cause), "    ");
         }
+        if let Some(sight) = &self.sight {
+            text += &format!("  {}\n", sight::HEADING);
+            text += &aligned(&sight::rows(sight), "    ");
+            text.extend(sight::remarks(sight).into_iter().map(|remark| format!("    {remark}\n")));
+        }
         text
+    }
+
+    /// Whether there is a proof counts for what is blind too.
+    fn status_in_words(&self) -> String {
+        match (self.status, &self.certified) {
+            (DesignStatus::Blind, Some(_)) => "certified, BLIND".into(),
+            (DesignStatus::Blind, None) => "not certified, BLIND".into(),
+            (other, _) => status(other).into(),
+        }
     }
 }
 
@@ -264,6 +299,7 @@ pub fn status(status: DesignStatus) -> &'static str {
         DesignStatus::Certified => "certified",
         DesignStatus::Uncertified => "not certified",
         DesignStatus::AlmostSolved => "almost solved, not certified",
+        DesignStatus::Blind => "blind: its drives miss the smallest fault of interest",
     }
 }
 
@@ -275,7 +311,7 @@ pub fn baked(design: &Design) -> Result<BakedDesign, String> {
     let certified = design.performance.certified.as_ref();
     Ok(BakedDesign {
         hash: design.hash.as_bytes().try_into().map_err(|_| design.hash.clone())?,
-        certified: design.synthesis.status == DesignStatus::Certified,
+        certified: certified.is_some(),
         beta: certified.map_or(0.0, |x| x.beta),
         gamma: certified.map_or(0.0, |x| x.gamma),
         gap: certified.map_or(0.0, |x| x.gap),

@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use steerguard_designer::sight::Sight;
 use steerguard_designer::threshold::by_cause;
 use steerguard_detector::{Configuration, Interval};
 use steerguard_fmu::BakedDesign;
@@ -11,7 +12,8 @@ use steerguard_model_description::{
     Causality, Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet,
 };
 
-use crate::fmu::design_summary::{Cause, cause_rows};
+use crate::fmu::design_summary::{Cause, Record, cause_rows};
+use crate::fmu::sight;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;\
 color:#222}table{border-collapse:collapse;width:100%}th,td{text-align:left;padding:.25em .75em;\
@@ -53,11 +55,13 @@ before initialisation ends; <code>vehicle.*</code> carry the names that the dete
 was designed for, <code>actuator.*</code> those of its <code>design.actuator.*</code>. <code>fault</code> is added to the angle of the steering actuator.</p>
 ";
 
-/// What the page of `SteeringFaultDetector.fmu` says of it, of the design inside and of the causes of
-/// its threshold.
-pub fn detector(design: &BakedDesign, causes: &[Cause]) -> String {
-    let about_design = summary(design);
-    format!("{DETECTOR}{}{about_design}{}", states(), threshold(causes, &design.configuration))
+/// What the page of `SteeringFaultDetector.fmu` says of it, of the design inside and of what is on
+/// record of that.
+pub fn detector(design: &BakedDesign, record: &Record) -> String {
+    let about_design = summary(design, record);
+    let threshold = threshold(&record.causes, &design.configuration);
+    let sight = record.sight.as_ref().map_or(String::new(), what_it_sees);
+    format!("{DETECTOR}{}{about_design}{sight}{threshold}", states())
 }
 
 /// The items of `state`.
@@ -162,7 +166,8 @@ fn number(value: f64) -> String {
     }
 }
 
-fn summary(design: &BakedDesign) -> String {
+fn summary(design: &BakedDesign, record: &Record) -> String {
+    let blind = record.sight.as_ref().is_some_and(|sight| sight.blind.is_some());
     let configuration = &design.configuration;
     let (model, evaluation) = (&configuration.model, &configuration.evaluation);
     let interval = |i: Interval, unit: &str| format!("{} to {} {unit}", i.min, i.max);
@@ -172,11 +177,15 @@ fn summary(design: &BakedDesign) -> String {
         (
             "status",
             match design.certified {
-                true => "certified: the figures below are proven for these gains".to_owned(),
-                false => {
-                    "NOT CERTIFIED: there is no proof of what these gains are worth".to_owned()
-                }
-            },
+                true => "certified: the figures below are proven for these gains",
+                false => "NOT CERTIFIED: there is no proof of what these gains are worth",
+            }
+            .to_owned()
+                + if blind {
+                    "; BLIND: its drives miss the smallest fault of interest"
+                } else {
+                    ""
+                },
         ),
         ("sampling period T_s", format!("{} s", model.sampling_period_s)),
         ("range of v_x", interval(model.range.v_x, "m/s")),
@@ -213,12 +222,36 @@ fn threshold(causes: &[Cause], configuration: &Configuration) -> String {
     text += "</table>\n<p>J_th in steady driving, and the J that the smallest fault of interest makes \
              alone, in thousandths. In manoeuvres J_th follows the signals; <code>detectability</code> \
              is that J over J_th at every sample.</p>\n<table class=\"figures\">\n";
-    for (row, cells) in cause_rows(&by_cause(configuration)).iter().enumerate() {
-        let tag = if row == 0 { "th" } else { "td" };
-        let cells: String = cells.iter().map(|x| format!("<{tag}>{}", escaped(x))).collect();
-        let _infallible = writeln!(text, "<tr>{cells}");
-    }
+    text += &table_rows(&cause_rows(&by_cause(configuration)));
     text + "</table>\n"
+}
+
+/// What simulated drives with faults show.
+fn what_it_sees(sight: &Sight) -> String {
+    let mut text = format!(
+        "<h2>Sight</h2>\n<p>{}. Recorded when the design was made, not proven: the vehicle as specified \
+         under the stated noise, a bias of the road wheel to either side that begins after {} s and stays \
+         to the end, at {} s; delays are those of the later side.</p>\n<table class=\"figures\">\n",
+        escaped(sight::HEADING),
+        number(sight.onset_s),
+        number(sight.end_s),
+    );
+    text += &table_rows(&sight::rows(sight));
+    text += "</table>\n";
+    for remark in sight::remarks(sight) {
+        let _infallible = writeln!(text, "<p>{}</p>", escaped(&remark));
+    }
+    text
+}
+
+/// The first row is the head.
+fn table_rows(rows: &[Vec<String>]) -> String {
+    let row = |(number, cells): (usize, &Vec<String>)| {
+        let tag = if number == 0 { "th" } else { "td" };
+        let cells: String = cells.iter().map(|x| format!("<{tag}>{}", escaped(x))).collect();
+        format!("<tr>{cells}\n")
+    };
+    rows.iter().enumerate().map(row).collect()
 }
 
 fn escaped(text: &str) -> String {

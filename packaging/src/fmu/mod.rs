@@ -7,4 +7,5 @@ pub mod documentation;
 pub mod package;
 pub mod reference;
 pub mod runtime;
+pub mod sight;
 pub mod system;

@@ -11,7 +11,7 @@ use steerguard_plant::PlantModel;
 
 use crate::fmu::archive::Archive;
 use crate::fmu::bake::{BakeError, bake};
-use crate::fmu::design_summary::Cause;
+use crate::fmu::design_summary::Record;
 use crate::fmu::documentation;
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
@@ -58,14 +58,14 @@ pub enum PackageError {
     Write(#[from] io::Error),
 }
 
-/// The bytes of `SteeringFaultDetector.fmu` with `design` in it, the causes of whose
-/// threshold its documentation states: the same for the same arguments.
+/// The bytes of `SteeringFaultDetector.fmu` with `design` in it, whose documentation
+/// states what is on `record`: the same for the same arguments.
 ///
 /// # Errors
 /// [`PackageError`].
 pub fn detector_fmu(
     design: &BakedDesign,
-    causes: &[Cause],
+    record: &Record,
     runtimes: &Runtimes,
 ) -> Result<Vec<u8>, PackageError> {
     let payload = design.encode()?;
@@ -73,7 +73,7 @@ pub fn detector_fmu(
     let parts = Parts {
         payload: &payload,
         step_s: design.configuration.model.sampling_period_s,
-        about: documentation::detector(design, causes),
+        about: documentation::detector(design, record),
         reference: reference::detector(&design.configuration)
             .map_err(DesignError::Configuration)?,
     };

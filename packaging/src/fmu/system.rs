@@ -25,7 +25,7 @@ use steerguard_plant::PlantModel;
 use crate::drive::cosimulation::name_in_plant;
 use crate::drive::scenario::Scenario;
 use crate::fmu::archive::Archive;
-use crate::fmu::design_summary::Cause;
+use crate::fmu::design_summary::Record;
 use crate::fmu::package::{PackageError, STOP_TIME_S, detector_fmu, plant_fmu};
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
@@ -48,7 +48,7 @@ type Xml = Writer<Vec<u8>>;
 /// [`PackageError`].
 pub fn system_ssp(
     design: &BakedDesign,
-    causes: &[Cause],
+    record: &Record,
     detector: &Runtimes,
     plant: &Runtimes,
 ) -> Result<Vec<u8>, PackageError> {
@@ -59,7 +59,7 @@ pub fn system_ssp(
     };
     let mut archive = Archive::system(structure(&experiment)?);
     archive.insert(PARAMETERS, parameter_set(&parameters(design)?)?);
-    archive.insert(source(&DetectorModel::INFO), detector_fmu(design, causes, detector)?);
+    archive.insert(source(&DetectorModel::INFO), detector_fmu(design, record, detector)?);
     archive.insert(source(&PlantModel::INFO), plant_fmu(plant)?);
     archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::ptr;
 
 use libloading::Library;
-use steerguard::fmu::design_summary::baked;
+use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
@@ -37,7 +37,7 @@ pub fn designs() -> Result<[(&'static str, BakedDesign); 2], Error> {
 /// # Errors
 /// What packaging says.
 pub fn fmu(design: &BakedDesign) -> Result<Vec<u8>, Error> {
-    Ok(detector_fmu(design, &[], &Runtimes::detector())?)
+    Ok(detector_fmu(design, &Record::default(), &Runtimes::detector())?)
 }
 
 /// One detector behind the C interface.

@@ -42,7 +42,7 @@ impl Packaged {
             None => design(&Spec::paper(), &mut |_| {}).unwrap(),
         };
         let baked = steerguard::fmu::design_summary::baked(&design).unwrap();
-        let bytes = detector_fmu(&baked, &[], &Runtimes::detector()).unwrap();
+        let bytes = detector_fmu(&baked, &Record::default(), &Runtimes::detector()).unwrap();
 
         let folder = tempfile::tempdir().unwrap();
         let fmu = folder.path().join(names::DETECTOR_FILE);
