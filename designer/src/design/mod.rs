@@ -6,6 +6,7 @@ use clarabel::solver::SolverStatus;
 use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, RULES};
 
 use crate::analysis::certificate::{Check, check, error_dynamics};
+use crate::analysis::estimate::EstimateFigures;
 use crate::analysis::frequency::{detection_ratio, frozen, limit};
 use crate::analysis::operating_point::{OperatingPoint, fixed, spectral_radius};
 use crate::analysis::start_up;
@@ -82,12 +83,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     spec.check()?;
     let model = model::model(spec);
     let inputs = Inputs::of(spec)?;
-    let theorem = Theorem4::of(spec, &inputs);
 
-    let found = match spec.design.method {
-        MethodName::Paper => paper(spec, &theorem, &inputs, progress)?,
-        MethodName::Gap => by_gap(spec, &theorem, &inputs, progress)?,
-    };
+    let found = found(spec, &inputs, progress)?;
     let Found { gains, synthesis, theorem, worth, .. } = &found;
     let (certified, a_posteriori) = worth.certified.clone().unzip();
     // The matrices of (31) and (32), where the gains are those that they were found with.
@@ -144,6 +141,10 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
                     .into(),
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&fixed(&n))),
             smallest_fault_residual,
+            decay: theorem.decay,
+            estimate: estimate_cap(spec).map(|cap| {
+                EstimateFigures::of(&model, &gains.gains, &inputs.fault, cap)
+            }),
             operating_points: worth.points.clone(),
             other_faults: other_faults(spec, gains, worth, &inputs)?,
         },
@@ -189,6 +190,40 @@ struct Found {
     check: Option<Check>,
     /// Of method "gap".
     search: Option<SearchRecord>,
+    /// Of method "gap": see [`crate::search::Found`].
+    merit: f64,
+    holds_cap: bool,
+}
+
+/// Gains by the method asked for, with the first decay rate that has a certified design; where none
+/// has, the best there is.
+fn found(
+    spec: &Spec,
+    inputs: &Inputs,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Found, DesignError> {
+    let mut best: Option<Found> = None;
+    let mut first_refusal = None;
+    for decay in spec.design.decays(spec.sampling.period_s) {
+        let theorem = Theorem4::of(spec, inputs, decay);
+        let found = match spec.design.method {
+            MethodName::Paper => paper(spec, &theorem, inputs, progress),
+            MethodName::Gap => by_gap(spec, &theorem, inputs, progress),
+        };
+        match found {
+            Ok(found) if found.worth.certified.is_some() && found.holds_cap => return Ok(found),
+            Ok(found) if best.as_ref().is_none_or(|best| found.merit > best.merit) => {
+                best = Some(found);
+            }
+            Ok(_) => {}
+            Err(refusal) => first_refusal = first_refusal.or(Some(refusal)),
+        }
+    }
+    match (best, first_refusal) {
+        (Some(found), _) => Ok(found),
+        (None, Some(refusal)) => Err(refusal),
+        (None, None) => Err(DesignError::StartUp),
+    }
 }
 
 /// Method "paper": Theorem 4 with the given multipliers.
@@ -219,6 +254,8 @@ fn paper(
             iterations: largest.iterations,
         }),
         search: None,
+        merit: 0.0,
+        holds_cap: true,
         synthesis,
     })
 }
@@ -230,7 +267,7 @@ fn by_gap(
     inputs: &Inputs,
     progress: &mut dyn FnMut(Step),
 ) -> Result<Found, DesignError> {
-    let found = search(theorem, &model::model(spec), inputs, &spec.design, progress)
+    let found = search(theorem, &model::model(spec), inputs, &spec.design, estimate_cap(spec), progress)
         .ok_or_else(|| infeasible(spec, theorem))?;
     Ok(Found {
         gains: found.gains,
@@ -241,7 +278,14 @@ fn by_gap(
         largest_beta: None,
         check: None,
         search: Some(found.record),
+        merit: found.merit,
+        holds_cap: found.holds_cap,
     })
+}
+
+/// Cap on e_2 after a step of the fault that is designed for.
+fn estimate_cap(spec: &Spec) -> Option<f64> {
+    spec.fault[0].estimate_cap(spec.operating_range.v_y_m_per_s)
 }
 
 /// What stands in the way of a synthesis.
