@@ -15,10 +15,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
-use steerguard_designer::analysis::estimate::EstimateFigures;
 use steerguard_designer::document::Mistakes;
 use steerguard_designer::problem::inputs::Inputs;
-use steerguard_designer::{Design, DesignError, Spec, design};
+use steerguard_designer::{Design, Spec, design};
 use steerguard_test_support::once::made_once;
 use steerguard_world::Stream;
 
@@ -230,7 +229,7 @@ fn outcome(car: &Car) -> Outcome {
     let seconds = start.elapsed().as_secs_f64();
     let (status, figures) = match made.and_then(|design| Ok((Inputs::of(&spec)?, design))) {
         Ok((inputs, design)) => {
-            (format!("{:?}", design.synthesis.status), Some(Figures::of(&design, &inputs)))
+            (format!("{:?}{}", design.synthesis.status, design.synthesis.unproven.as_ref().map_or(String::new(), |x| format!(": {x}"))), Some(Figures::of(&design, &inputs)))
         }
         Err(error) => (error.to_string(), None),
     };
@@ -246,19 +245,18 @@ fn outcome(car: &Car) -> Outcome {
 
 impl Figures {
     fn of(design: &Design, inputs: &Inputs) -> Self {
-        let Design { detector, performance, .. } = design;
-        let estimate = EstimateFigures::of(&detector.model, &detector.gains, &inputs.fault, 0.0);
-        let certified = performance.certified;
+        let performance = &design.performance;
+        let (certified, estimate) = (performance.certified, performance.estimate);
         let ratio = |beta: f64, gamma: f64| {
             beta * inputs.smallest_fault / (gamma * inputs.bound).hypot(performance.noise_rms)
         };
         Self {
-            decay: certified.map_or(0.0, |x| x.decay),
+            decay: performance.decay,
             detection_ratio: performance.detection_ratio,
             certified_ratio: certified.map_or(0.0, |x| ratio(x.beta, x.gamma)),
             certified_gap: certified.map_or(0.0, |x| x.gap),
-            e_2_m_per_s_per_deg: estimate.peak_m_per_s_per_deg,
-            leaves_range_from_deg: estimate.leaves_range_from_deg,
+            e_2_m_per_s_per_deg: estimate.map_or(0.0, |x| x.peak_m_per_s_per_deg),
+            leaves_range_from_deg: estimate.map_or(0.0, |x| x.leaves_range_from_deg),
         }
     }
 }

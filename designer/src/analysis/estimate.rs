@@ -9,17 +9,16 @@
 //! - Peaks are over all time and, of several operating points, the largest.
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use steerguard_detector::{Gains, TsModel};
 
 use crate::analysis::operating_point::{FrozenError, OperatingPoint};
 use crate::problem::channel::Channel;
 
-use serde::{Deserialize, Serialize};
-
 /// Longest response considered, samples.
 const LONGEST: u32 = 4000;
 /// A step of the error below this share of the largest so far ends a response.
-const SETTLED: f64 = 1e-6;
+const SETTLED: f64 = 1e-12;
 
 /// What the fault does to the estimate, per degree of steering.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -55,8 +55,8 @@ pub enum DesignError {
     },
     /// The residual has no bound after a start.
     #[error(
-        "no decaying bound on the residual after a start was found: lower design.decay or narrow \
-         operating_range.v_y_m_per_s"
+        "no decaying bound on the residual after a start was found: raise design.decay or leave it out, \
+         or narrow operating_range.v_x_m_per_s"
     )]
     StartUp,
     /// There is no threshold.
@@ -203,25 +203,25 @@ fn found(
     progress: &mut dyn FnMut(Step),
 ) -> Result<Found, DesignError> {
     let mut best: Option<Found> = None;
-    let mut first_refusal = None;
+    let mut refused = None;
     for decay in spec.design.decays(spec.sampling.period_s) {
         let theorem = Theorem4::of(spec, inputs, decay);
         let found = match spec.design.method {
-            MethodName::Paper => paper(spec, &theorem, inputs, progress),
+            MethodName::Paper => return paper(spec, &theorem, inputs, progress),
             MethodName::Gap => by_gap(spec, &theorem, inputs, progress),
         };
         match found {
-            Ok(found) if found.worth.certified.is_some() && found.holds_cap => return Ok(found),
-            Ok(found) if best.as_ref().is_none_or(|best| found.merit > best.merit) => {
+            Some(found) if found.worth.certified.is_some() && found.holds_cap => return Ok(found),
+            Some(found) if best.as_ref().is_none_or(|best| found.merit > best.merit) => {
                 best = Some(found);
             }
-            Ok(_) => {}
-            Err(refusal) => first_refusal = first_refusal.or(Some(refusal)),
+            Some(_) => {}
+            None => refused = refused.or(Some(theorem)),
         }
     }
-    match (best, first_refusal) {
+    match (best, refused) {
         (Some(found), _) => Ok(found),
-        (None, Some(refusal)) => Err(refusal),
+        (None, Some(theorem)) => Err(infeasible(spec, &theorem)),
         (None, None) => Err(DesignError::StartUp),
     }
 }
@@ -260,16 +260,16 @@ fn paper(
     })
 }
 
-/// Method "gap": the search.
+/// Method "gap": the search. None where no synthesis has a solution.
 fn by_gap(
     spec: &Spec,
     theorem: &Theorem4,
     inputs: &Inputs,
     progress: &mut dyn FnMut(Step),
-) -> Result<Found, DesignError> {
-    let found = search(theorem, &model::model(spec), inputs, &spec.design, estimate_cap(spec), progress)
-        .ok_or_else(|| infeasible(spec, theorem))?;
-    Ok(Found {
+) -> Option<Found> {
+    let cap = estimate_cap(spec);
+    let found = search(theorem, &model::model(spec), inputs, &spec.design, cap, progress)?;
+    Some(Found {
         gains: found.gains,
         p_s: found.p_s,
         worth: found.worth,

@@ -114,8 +114,9 @@ impl Cost<'_> {
         let weights = Vector2::from(inputs.weights);
         let output = Matrix2::from_diagonal(&weights) * fixed(&C);
         let ln = |(value, adjoint): (f64, Adjoint)| {
-            let slope = frozen.slope(&adjoint);
-            Term { value: value.ln(), slope: slope / value }
+            // Without noise there is no variance.
+            let per = if value > 0.0 { 1.0 / value } else { 0.0 };
+            Term { value: value.ln(), slope: frozen.slope(&adjoint) * per }
         };
 
         // Of a single column the squared largest gain is the squared smallest.
@@ -345,7 +346,7 @@ impl<'a> Frozen<'a> {
         if contraction < 1.0 {
             by.n -= of_radius.n * (of_n.dot(&self.n) * contraction / radius);
         }
-        (value > 0.0 && value.is_finite()).then_some((value, by))
+        (value >= 0.0 && value.is_finite()).then_some((value, by))
     }
 
     /// Largest |e_2| after a unit step of `fault`.
@@ -417,6 +418,9 @@ fn largest_eigenvector(x: &Matrix2<Complex<f64>>) -> (f64, Vector2<Complex<f64>>
 fn soft_maximum(terms: &[Term], k: f64) -> Term {
     let extreme = terms.iter().map(|x| k * x.value).fold(f64::NEG_INFINITY, f64::max);
     let (mut sum, mut slope) = (0.0, Coordinates::zeros());
+    if !extreme.is_finite() {
+        return Term { value: extreme / k, slope };
+    }
     for term in terms {
         let weight = (k * term.value - extreme).exp();
         sum += weight;
@@ -430,8 +434,8 @@ mod tests {
     use super::*;
     use crate::problem::inputs::Inputs;
     use crate::problem::model;
-    use crate::search::starts::carried_over;
     use crate::search::refine::coordinates;
+    use crate::search::starts::carried_over;
     use crate::spec::Spec;
     use crate::synthesis::theorem4::Theorem4;
 

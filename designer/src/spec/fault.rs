@@ -114,3 +114,26 @@ impl Default for Fault {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0.3 m/s per degree with the defaults: method 5.
+    #[test]
+    fn a_larger_fault_may_do_less_to_the_estimate() {
+        let cap = |largest_deg, v_y| {
+            let fault = Fault::Steering { smallest_deg: 0.5, largest_deg, band_hz: low_band() };
+            fault.estimate_cap(v_y).map(|cap| cap * 1f64.to_radians())
+        };
+        let near = |cap: Option<f64>, expected: f64| {
+            assert!(cap.is_some_and(|cap| (cap - expected).abs() < 1e-15), "{cap:?} {expected}");
+        };
+        near(cap(20.0, [-1.5, 1.5]), 0.3);
+        near(cap(40.0, [-1.5, 1.5]), 0.15);
+        // The nearer end counts.
+        near(cap(20.0, [-0.5, 1.5]), 0.1);
+        let torque = Fault::Torque { smallest_n_m: 100.0, band_hz: low_band() };
+        assert_eq!(torque.estimate_cap([-1.5, 1.5]), None);
+    }
+}

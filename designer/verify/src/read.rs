@@ -100,7 +100,8 @@ pub struct UncertaintyOfSpec {
 #[derive(Deserialize)]
 pub struct Method {
     pub method: String,
-    pub decay: f64,
+    pub decay: Option<f64>,
+    pub decay_per_s: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -117,7 +118,7 @@ pub struct EvaluationOfSpec {
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(tag = "channel", rename_all = "lowercase")]
 pub enum Fault {
-    Steering { smallest_deg: f64, band_hz: [f64; 2] },
+    Steering { smallest_deg: f64, largest_deg: f64, band_hz: [f64; 2] },
     Torque { smallest_n_m: f64, band_hz: [f64; 2] },
 }
 
@@ -357,8 +358,19 @@ pub struct Performance {
     pub certified: Option<Certified>,
     pub spectral_radii: [f64; RULES],
     pub smallest_fault_residual: f64,
+    pub decay: f64,
+    /// Null for torque.
+    pub estimate: Option<Estimate>,
     pub operating_points: Vec<Point>,
     pub other_faults: Vec<OtherFault>,
+}
+
+/// What the first fault does to the estimated lateral speed.
+#[derive(Deserialize)]
+pub struct Estimate {
+    pub peak_m_per_s_per_deg: f64,
+    pub cap_m_per_s_per_deg: f64,
+    pub leaves_range_from_deg: f64,
 }
 
 /// Worst gains at frozen operating points.
