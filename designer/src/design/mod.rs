@@ -192,7 +192,7 @@ struct Found {
     search: Option<SearchRecord>,
     /// Of method "gap": see [`crate::search::Found`].
     merit: f64,
-    holds_cap: bool,
+    is_refined: bool,
 }
 
 /// Gains by the method asked for, with the first decay rate that has a certified design; where none
@@ -211,7 +211,7 @@ fn found(
             MethodName::Gap => by_gap(spec, &theorem, inputs, progress),
         };
         match found {
-            Some(found) if found.worth.certified.is_some() && found.holds_cap => return Ok(found),
+            Some(found) if found.is_refined => return Ok(found),
             Some(found) if best.as_ref().is_none_or(|best| found.merit > best.merit) => {
                 best = Some(found);
             }
@@ -255,7 +255,7 @@ fn paper(
         }),
         search: None,
         merit: 0.0,
-        holds_cap: true,
+        is_refined: true,
         synthesis,
     })
 }
@@ -279,7 +279,7 @@ fn by_gap(
         check: None,
         search: Some(found.record),
         merit: found.merit,
-        holds_cap: found.holds_cap,
+        is_refined: found.is_refined,
     })
 }
 

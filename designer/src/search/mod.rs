@@ -50,13 +50,11 @@ use crate::synthesis::theorem4::Theorem4;
 /// The refinement, where a price stands for the cap on e_2 and a coarser grid for the operating points,
 /// is told a cap lower by this factor.
 const INSIDE_CAP: f64 = 0.95;
-/// Refined gains whose ratio is below this share of the best ones' are not certified.
-const WORTH_CERTIFYING: f64 = 0.95;
 /// Refined gains that are certified, at most.
 const CERTIFIED: usize = 2;
 /// The frozen modes shall decay faster than asked for by this much: switching costs some of it. What
 /// is tried one after the other.
-const DECAY_RESERVE: [f64; 4] = [0.004, 0.015, 0.03, 0.06];
+const DECAY_RESERVE: [f64; 5] = [0.004, 0.015, 0.04, 0.08, 0.14];
 
 /// What the search found on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,8 +86,9 @@ pub struct Found {
     pub record: SearchRecord,
     /// Product of frozen and certified detection ratio, less where the cap on e_2 is not held.
     pub merit: f64,
-    /// Whether the cap on e_2 is held.
-    pub holds_cap: bool,
+    /// Whether refined gains provably decay, are certified, and hold the cap on e_2: that another
+    /// decay rate is not needed.
+    pub is_refined: bool,
 }
 
 /// Gains that provably decay.
@@ -149,6 +148,7 @@ pub fn search(
         p_s,
     };
     let mut choices: Vec<Choice> = refined.into_par_iter().map(choice).collect();
+    let is_refined = choices.iter().any(|x| x.worth.certified.is_some() && x.excess <= 1.0);
     // Where the synthesis has nearly the ratio of the refined gains, it or the mean of both may be
     // certified for more.
     if choices.iter().all(|x| x.worth.certified_ratio(inputs) < best.ratio) {
@@ -168,7 +168,7 @@ pub fn search(
         .max_by(|a, b| a.merit(inputs).total_cmp(&b.merit(inputs)))?;
     Some(Found {
         merit: chosen.merit(inputs),
-        holds_cap: chosen.excess <= 1.0,
+        is_refined,
         gains: chosen.gains,
         p_s: chosen.p_s,
         worth: chosen.worth,
@@ -196,9 +196,6 @@ fn refined(
     let mut first: Vec<(f64, ObserverGains)> =
         starts.par_iter().map(|start| at(start, DECAY_RESERVE[0])).collect();
     first.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let best = first.first().map_or(0.0, |(ratio, _)| *ratio);
-    first.retain(|(ratio, _)| *ratio >= WORTH_CERTIFYING * best);
-    first.truncate(CERTIFIED);
     let proven = |(_, mut gains): (f64, ObserverGains)| {
         for reserve in &DECAY_RESERVE[1..] {
             if let Some(p_s) = decay_certificate(theorem, &gains) {
@@ -208,5 +205,13 @@ fn refined(
         }
         decay_certificate(theorem, &gains).map(|p_s| (gains, p_s))
     };
-    first.into_par_iter().filter_map(proven).collect()
+    let mut found = Vec::new();
+    for few in first.chunks(CERTIFIED) {
+        // Those that are worse are asked where the better ones have no proof.
+        found = few.to_vec().into_par_iter().filter_map(proven).collect();
+        if !found.is_empty() {
+            break;
+        }
+    }
+    found
 }
