@@ -99,8 +99,7 @@ impl Car {
         spec.vehicle.effective_longitudinal_inertia_kg_m = self.effective_longitudinal_inertia_kg_m;
         spec.vehicle.front_axle_distance_m = self.front_axle_distance_m;
         spec.vehicle.rear_axle_distance_m = self.rear_axle_distance_m;
-        spec.vehicle.front_cornering_stiffness_n_per_rad =
-            self.front_cornering_stiffness_n_per_rad;
+        spec.vehicle.front_cornering_stiffness_n_per_rad = self.front_cornering_stiffness_n_per_rad;
         spec.vehicle.rear_cornering_stiffness_n_per_rad = self.rear_cornering_stiffness_n_per_rad;
         let [min, max] = self.v_x_m_per_s;
         let slowest = self.lowest_critical_speed(&spec).unwrap_or(f64::INFINITY);
@@ -115,10 +114,8 @@ impl Car {
         let worst = |value: f64, percent: f64| value * (1.0 + percent / 100.0);
         let u = &spec.uncertainty;
         let mass = worst(self.mass_kg, u.mass_percent[1]);
-        let c_f = worst(
-            self.front_cornering_stiffness_n_per_rad,
-            u.front_cornering_stiffness_percent[1],
-        );
+        let c_f =
+            worst(self.front_cornering_stiffness_n_per_rad, u.front_cornering_stiffness_percent[1]);
         let c_r =
             worst(self.rear_cornering_stiffness_n_per_rad, u.rear_cornering_stiffness_percent[0]);
         let (l_f, l_r) = (self.front_axle_distance_m, self.rear_axle_distance_m);
@@ -148,7 +145,8 @@ fn fleet(cars: &[Car], all: bool) -> Vec<Car> {
             .collect();
         let stream = Stream::new(SEED, 0);
         for number in 0..DRAWN.min(grid.len()) {
-            let drawn = number + (stream.unit(number as u64) * (grid.len() - number) as f64) as usize;
+            let drawn =
+                number + (stream.unit(number as u64) * (grid.len() - number) as f64) as usize;
             grid.swap(number, drawn);
         }
         grid.truncate(DRAWN);
@@ -228,9 +226,14 @@ fn outcome(car: &Car) -> Outcome {
     let made = design(&spec, &mut |_| {});
     let seconds = start.elapsed().as_secs_f64();
     let (status, figures) = match made.and_then(|design| Ok((Inputs::of(&spec)?, design))) {
-        Ok((inputs, design)) => {
-            (format!("{:?}{}", design.synthesis.status, design.synthesis.unproven.as_ref().map_or(String::new(), |x| format!(": {x}"))), Some(Figures::of(&design, &inputs)))
-        }
+        Ok((inputs, design)) => (
+            format!(
+                "{:?}{}",
+                design.synthesis.status,
+                design.synthesis.unproven.as_ref().map_or(String::new(), |x| format!(": {x}"))
+            ),
+            Some(Figures::of(&design, &inputs)),
+        ),
         Err(error) => (error.to_string(), None),
     };
     Outcome {
@@ -272,9 +275,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fleet/cars.toml");
     let cars: Cars = toml::from_str(&fs::read_to_string(path)?)?;
     let fleet = fleet(&cars.car, all);
-    let chosen = fleet
-        .iter()
-        .filter(|car| names.is_empty() || names.iter().any(|name| car.name.contains(name.as_str())));
+    let chosen = fleet.iter().filter(|car| {
+        names.is_empty() || names.iter().any(|name| car.name.contains(name.as_str()))
+    });
 
     println!("{}", Outcome::HEAD);
     let mut outcomes = Vec::new();
@@ -284,7 +287,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let outcome = serde_json::to_string(&outcome(car))?;
             Ok(fs::write(folder.join("outcome.json"), outcome)?)
         })?;
-        let outcome: Outcome = serde_json::from_str(&fs::read_to_string(folder.join("outcome.json"))?)?;
+        let outcome: Outcome =
+            serde_json::from_str(&fs::read_to_string(folder.join("outcome.json"))?)?;
         println!("{outcome}");
         outcomes.push(outcome);
     }

@@ -83,7 +83,8 @@ fn frozen_gains_lie_within_what_is_certified() {
 
 /// Theorem and numbers of a design, from its file alone.
 fn from_file(design: &Design) -> (Theorem4, ObserverGains, Lyapunov) {
-    let theorem = Theorem4::of(&design.spec, &Inputs::of(&design.spec).unwrap(), design.performance.decay);
+    let theorem =
+        Theorem4::of(&design.spec, &Inputs::of(&design.spec).unwrap(), design.performance.decay);
     let gains = ObserverGains {
         gains: design.configuration().gains,
         h: design.vertices.map(|rule| rule.h),

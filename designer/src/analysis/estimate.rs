@@ -37,7 +37,8 @@ impl EstimateFigures {
     pub fn of(model: &TsModel, gains: &Gains, fault: &Channel, cap: f64) -> Self {
         let points = OperatingPoint::grid(model);
         // The weights are of the residual, which has no part here.
-        let peaks = points.iter().map(|point| peak(&FrozenError::new(point, gains, [1.0; 2]), fault));
+        let peaks =
+            points.iter().map(|point| peak(&FrozenError::new(point, gains, [1.0; 2]), fault));
         let per_deg = 1f64.to_radians();
         let peak = peaks.fold(0.0, f64::max) * per_deg;
         let v_y = model.range.v_y;

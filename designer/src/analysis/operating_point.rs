@@ -72,9 +72,8 @@ impl OperatingPoint {
         let speeds = ends(model.range.v_x).into_iter();
         let of_speed = |v_x| ends(model.range.r).map(|r| [v_x, r]);
         let premises = speeds.flat_map(of_speed);
-        let of_premise = |[v_x, r]: [f64; 2]| {
-            ends(model.range.v_y).map(|v_y| Self::new(model, [v_x, v_y, r]))
-        };
+        let of_premise =
+            |[v_x, r]: [f64; 2]| ends(model.range.v_y).map(|v_y| Self::new(model, [v_x, v_y, r]));
         premises.flat_map(of_premise).collect()
     }
 

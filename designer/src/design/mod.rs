@@ -142,9 +142,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&fixed(&n))),
             smallest_fault_residual,
             decay: theorem.decay,
-            estimate: estimate_cap(spec).map(|cap| {
-                EstimateFigures::of(&model, &gains.gains, &inputs.fault, cap)
-            }),
+            estimate: estimate_cap(spec)
+                .map(|cap| EstimateFigures::of(&model, &gains.gains, &inputs.fault, cap)),
             operating_points: worth.points.clone(),
             other_faults: other_faults(spec, gains, worth, &inputs)?,
         },

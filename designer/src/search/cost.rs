@@ -176,9 +176,8 @@ impl Cost<'_> {
             }
         }
         let slopes = vertices.iter().zip(of_n);
-        let slope = slopes
-            .map(|(frozen, n)| frozen.slope(&Adjoint { n, ..Adjoint::default() }))
-            .sum();
+        let slope =
+            slopes.map(|(frozen, n)| frozen.slope(&Adjoint { n, ..Adjoint::default() })).sum();
         Term { value: price, slope }
     }
 }
@@ -378,9 +377,10 @@ impl<'a> Frozen<'a> {
 /// `adj(N - l I)' / tr adj(N - l I)`.
 fn spectral_radius(n: &Matrix3<f64>) -> (f64, Matrix3<f64>) {
     let eigenvalues = n.complex_eigenvalues();
-    let largest = eigenvalues.iter().copied().fold(Complex::from(0.0), |largest, x| {
-        if x.norm() > largest.norm() { x } else { largest }
-    });
+    let largest = eigenvalues
+        .iter()
+        .copied()
+        .fold(Complex::from(0.0), |largest, x| if x.norm() > largest.norm() { x } else { largest });
     let radius = largest.norm();
     if radius == 0.0 {
         return (0.0, Matrix3::zeros());
@@ -462,7 +462,11 @@ mod tests {
                 };
                 let quotient = (at(step) - at(-step)) / (2.0 * step);
                 let allowed = 1e-5 * (1.0 + slope.norm());
-                assert!((slope[axis] - quotient).abs() < allowed, "{axis}: {} {quotient}", slope[axis]);
+                assert!(
+                    (slope[axis] - quotient).abs() < allowed,
+                    "{axis}: {} {quotient}",
+                    slope[axis]
+                );
             }
         }
     }

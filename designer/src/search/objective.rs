@@ -5,9 +5,7 @@ use steerguard_detector::{C, Gains, RULES, TsModel};
 
 use crate::analysis::estimate;
 use crate::analysis::frequency::{detection_ratio, noise_rms};
-use crate::analysis::operating_point::{
-    Column, FrozenError, OperatingPoint, extreme_gains,
-};
+use crate::analysis::operating_point::{Column, FrozenError, OperatingPoint, extreme_gains};
 use crate::lmi::matrix::{Matrix, matrix};
 use crate::problem::band::Band;
 use crate::problem::inputs::Inputs;
@@ -55,12 +53,7 @@ pub(super) struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    pub(super) fn new(
-        model: &TsModel,
-        inputs: &'a Inputs,
-        scale: f64,
-        cap: Option<f64>,
-    ) -> Self {
+    pub(super) fn new(model: &TsModel, inputs: &'a Inputs, scale: f64, cap: Option<f64>) -> Self {
         let frequencies = |band: Band| match band {
             Band::Low(_) => band.grid(LOW_FREQUENCIES).collect(),
             _ => band.grid(OTHER_FREQUENCIES).collect(),
@@ -108,7 +101,12 @@ impl<'a> Objective<'a> {
 
     /// The worst figures of `gains`.
     pub(super) fn worst(&self, gains: &Gains) -> Worst {
-        let none = Worst { beta: 0.0, gamma: f64::INFINITY, noise_rms: f64::INFINITY, peak: f64::INFINITY };
+        let none = Worst {
+            beta: 0.0,
+            gamma: f64::INFINITY,
+            noise_rms: f64::INFINITY,
+            peak: f64::INFINITY,
+        };
         let mut worst = Worst { beta: f64::INFINITY, gamma: 0.0, noise_rms: 0.0, peak: 0.0 };
         for point in &self.points {
             let error = FrozenError::new(point, gains, self.inputs.weights);

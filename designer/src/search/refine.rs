@@ -60,9 +60,8 @@ fn minimise(cost: &Cost<'_>, mut x: Coordinates) -> Coordinates {
         (x, value, slope) = (x + step, next_value, next_slope);
         let curvature = step.dot(&bend);
         if curvature > 0.0 {
-            let old = inverse.unwrap_or_else(|| {
-                SMatrix::from_diagonal_element(curvature / bend.norm_squared())
-            });
+            let old = inverse
+                .unwrap_or_else(|| SMatrix::from_diagonal_element(curvature / bend.norm_squared()));
             let across = old * bend;
             let along = (1.0 + bend.dot(&across) / curvature) / curvature;
             let mixed = (across * step.transpose() + step * across.transpose()) / curvature;

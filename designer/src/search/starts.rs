@@ -18,7 +18,12 @@ use crate::synthesis::theorem4::Theorem4;
 /// should: a start that does not is led to an optimum that does not, which is worse.
 const E: [[f64; 2]; 3] = [[-1.0, 0.114], [-0.003, -1.385], [0.0, -1.012]];
 /// The first and third column of the N_i of the same gains.
-const N: [[[f64; 2]; 3]; RULES] = [[[0.59, 0.137], [0.002, -0.776], [-0.217, 0.949]], [[0.594, 0.136], [0.002, -0.776], [-0.214, 0.949]], [[0.377, 0.009], [-0.001, -0.891], [-0.533, 0.817]], [[0.377, 0.005], [-0.001, -0.892], [-0.531, 0.815]]];
+const N: [[[f64; 2]; 3]; RULES] = [
+    [[0.59, 0.137], [0.002, -0.776], [-0.217, 0.949]],
+    [[0.594, 0.136], [0.002, -0.776], [-0.214, 0.949]],
+    [[0.377, 0.009], [-0.001, -0.891], [-0.533, 0.817]],
+    [[0.377, 0.005], [-0.001, -0.892], [-0.531, 0.815]],
+];
 /// I_z / (M l_f) of that vehicle, m.
 const LENGTH: f64 = 1.0852;
 /// Decay of the measured states in the start with E = 0.

@@ -94,11 +94,7 @@ impl Spec {
             },
             sampling: Sampling { euler_correction: false, ..Sampling::default() },
             uncertainty: UncertaintyTable::NONE,
-            design: Method {
-                method: MethodName::Paper,
-                decay: Some(0.97),
-                ..Method::default()
-            },
+            design: Method { method: MethodName::Paper, decay: Some(0.97), ..Method::default() },
             evaluation: Evaluation {
                 weights: [1.0, 1.0],
                 threshold: ThresholdKind::Calibrated,

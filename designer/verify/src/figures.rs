@@ -196,7 +196,11 @@ fn estimate(design: &Design) -> Result<(), Refusal> {
         Fault::Steering { largest_deg, .. } => Some(*largest_deg),
         Fault::Torque { .. } => None,
     };
-    same("performance.estimate: whether there is one", &estimate.is_some(), &largest_deg.is_some())?;
+    same(
+        "performance.estimate: whether there is one",
+        &estimate.is_some(),
+        &largest_deg.is_some(),
+    )?;
     if let Some((estimate, largest_deg)) = estimate.zip(largest_deg) {
         let [right, left] = design.spec.operating_range.v_y_m_per_s;
         let range = f64::min(left, -right);
