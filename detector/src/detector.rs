@@ -263,6 +263,22 @@ impl Detector {
     }
 
     /// Runs sample k: measurement `y_k`, and the input `u_k` that acts until sample k + 1.
+    ///
+    /// ```
+    /// # use steerguard_detector::{Detector, Input, Measurement};
+    /// fn alarm(detector: &mut Detector, y: Measurement, u: Input) -> bool {
+    ///     detector.sample(y, u).alarm
+    /// }
+    /// ```
+    ///
+    /// Both are pairs of numbers, but swapped they do not compile:
+    ///
+    /// ```compile_fail,E0308
+    /// # use steerguard_detector::{Detector, Input, Measurement};
+    /// fn alarm(detector: &mut Detector, y: Measurement, u: Input) -> bool {
+    ///     detector.sample(u, y).alarm
+    /// }
+    /// ```
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
         let [delta_rad, slowest_rad] = self.steer(u.delta_rad);
         if plausible(&y.vector()) && plausible(&u.vector()) {

@@ -12,6 +12,7 @@
 
 pub mod detector;
 pub mod names;
+pub mod plant;
 mod table;
 pub mod unit;
 #[cfg(feature = "xml")]

@@ -108,10 +108,35 @@ fn fmus_are_simulated_with_a_scenario() {
 }
 
 #[test]
+fn manoeuvres_and_faults_are_simulated_by_the_names_of_campaigns() {
+    let folder = folder();
+    success(folder.path(), &["package", "design.json"]);
+    let scenario = "duration_s = 12.0\ninitial_speeds_m_per_s = [15.0]\n\
+        [manoeuvre]\nkind = \"double lane change\"\n[fault]\nkind = \"bias\"\nangle_deg = 2.0\n";
+    fs::write(folder.path().join("drive.toml"), scenario).unwrap();
+    let arguments = [
+        "simulate",
+        "--detector=SteeringFaultDetector.fmu",
+        "--scenario=drive.toml",
+        "-o=out",
+        "--json",
+    ];
+    let value: serde_json::Value =
+        serde_json::from_str(&success(folder.path(), &arguments)).unwrap();
+    let detection = &value["detections"][0];
+    assert_eq!(detection["fault_onset_s"], 5.0, "{detection}");
+    assert_eq!(detection["false_alarms"], 0, "{detection}");
+    assert!(detection["delay_s"].as_f64().unwrap() <= 0.4, "{detection}");
+}
+
+#[test]
 fn the_printed_scenario_is_a_scenario() {
     let folder = folder();
     let text = success(folder.path(), &["simulate", "--print-scenario"]);
-    steerguard::drive::scenario::Scenario::parse(&text).unwrap();
+    let scenario = steerguard::drive::scenario::Scenario::parse(&text).unwrap();
+    let json = success(folder.path(), &["simulate", "--print-scenario", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json, serde_json::to_value(scenario).unwrap());
 }
 
 #[test]

@@ -112,3 +112,23 @@ seed = 1.5
 "#;
     assert_said!("scenario", &["simulate", "--scenario"], text);
 }
+
+#[test]
+fn manoeuvres_and_faults_of_a_scenario_that_contradict_the_rest_are_shown() {
+    let text = r#"[steering_angle_rad]
+amplitude = 0.01
+
+[manoeuvre]
+kind = "stop and go"
+lowest_speed_m_per_s = 7.0
+radius_m = 20.0                        # of a roundabout
+
+[fault]
+kind = "drifd"                         # unknown
+size_deg = 1.0                         # unknown
+
+[steering_fault_deg]
+offset = 0.5
+"#;
+    assert_said!("scenario_kinds", &["simulate", "--scenario"], text);
+}

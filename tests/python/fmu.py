@@ -34,8 +34,8 @@ class FMU2Instance(FMU2Slave):  # fmpy reads the version of FMI from the beginni
         """Texts of the log messages that are warnings or worse."""
         return [text for status, _, text in self.messages if status > 0]
 
-    def open(self):
-        """Instantiates with logging on; an FMU that refuses raises."""
+    def open(self, missing=()):
+        """Instantiates with logging on, callbacks `missing` NULL; an FMU that refuses raises."""
 
         def logger(environment, name, status, category, message):
             self.messages.append((status, category.decode(), message.decode()))
@@ -45,6 +45,8 @@ class FMU2Instance(FMU2Slave):  # fmpy reads the version of FMI from the beginni
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
         addLoggerProxy(byref(callbacks))
+        for callback in missing:
+            setattr(callbacks, callback, type(getattr(callbacks, callback))())
         self.instantiate(callbacks=callbacks, loggingOn=True)
 
     def set(self, values):
@@ -93,10 +95,10 @@ class Fmu:
         self.description = fmpy.read_model_description(self.folder)
 
     @contextmanager
-    def instance(self, guid=None, name="instance"):
-        """An instance, freed at the end."""
+    def instance(self, guid=None, name="instance", missing=()):
+        """An instance, freed at the end; callbacks `missing` are NULL."""
         instance = FMU2Instance(self.description, self.folder, guid or self.description.guid, name)
-        instance.open()
+        instance.open(missing)
         try:
             yield instance
         finally:

@@ -1,7 +1,7 @@
 //! Sensors of speed and yaw rate, and how they err.
 //!
 //! # Conventions
-//! - A reading is `(1 + scale) x + bias + noise`, rounded to the resolution.
+//! - A reading is `(1 + scale) x + noise + bias`, added in this order and rounded to the resolution.
 //! - The noise of time t is number `floor(t / period)` of its signal's stream: a run reproduces from
 //!   its seed whatever is read, saved or restored between.
 
@@ -23,7 +23,7 @@ pub struct Sensor {
 impl Sensor {
     /// What it shows of `x` with the standard normal number `normal`.
     pub fn reading(&self, x: f64, normal: f64) -> f64 {
-        let shown = (1.0 + self.scale) * x + self.bias + self.noise_std * normal;
+        let shown = (1.0 + self.scale) * x + self.noise_std * normal + self.bias;
         if self.resolution > 0.0 {
             self.resolution * libm::round(shown / self.resolution)
         } else {

@@ -6,7 +6,5 @@
 extern crate std;
 
 mod model;
-pub mod variables;
 
 pub use model::PlantModel;
-pub use variables::PlantVariable;

@@ -10,13 +10,12 @@
 
 use steerguard_detector::{Actuator, StateVector, Vehicle, VehicleState};
 use steerguard_fmu_core::{Archive, Log, Model, Status};
+use steerguard_model_description::plant::{INFO, PlantVariable};
 use steerguard_model_description::{Kind, ModelInfo, RealKind, Value, Variable, VariableSet};
 use steerguard_world::{
     Excitation, MAX_DEAD_TIME_STEPS, Readings, STEP_S, Sensor, Sensors, State, Steering,
     TrueVehicle, Tyres, World,
 };
-
-use crate::variables::{INFO, PlantVariable};
 
 /// Inputs and parameters: everything that an importer sets. Limits of 0 are none.
 #[derive(Clone, Copy, Debug)]

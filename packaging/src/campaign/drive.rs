@@ -119,7 +119,7 @@ pub struct Drive {
     pub gusts: Gusts,
     /// Noise of the plant's sensors.
     pub noise: SensorNoise,
-    /// Added to what the plant measures: [v_x, r] in m/s, rad/s.
+    /// Biases of the plant's sensors: [v_x, r] in m/s, rad/s.
     pub sensor_bias: [f64; 2],
     /// The vehicle driven.
     pub vehicle: Vehicle,

@@ -19,7 +19,6 @@ pub mod signals;
 pub mod simulation;
 pub mod statistics;
 pub mod table;
-pub mod wheel;
 
 use std::ops::Range;
 

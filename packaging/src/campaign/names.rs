@@ -1,4 +1,4 @@
-//! Names of manoeuvres and faults in files, tables and reports.
+//! Names of manoeuvres and faults in results, reports and scenarios.
 
 use steerguard_world::{Fault, FaultKind, Manoeuvre};
 

@@ -13,6 +13,8 @@
 //! - An alarm counts as detection even if it would have come without the fault: where false alarms are
 //!   frequent, small faults seem detected.
 
+use steerguard_model_description::detector::DetectorState;
+
 use super::record::{named, record};
 use crate::drive::cosimulation::Sample;
 use crate::drive::detection::MONITORING;
@@ -70,8 +72,8 @@ record! {
 }
 
 /// Items of the enumeration `DetectorState` without valid results.
-const OUT_OF_RANGE: i32 = 3;
-const INVALID_INPUT: i32 = 4;
+const OUT_OF_RANGE: i32 = DetectorState::OutOfRange.value();
+const INVALID_INPUT: i32 = DetectorState::InvalidInput.value();
 
 /// Gathers the outcome of a drive, sample by sample.
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,8 +5,8 @@ use steerguard_world::Tyres;
 use super::drive::Drive;
 use super::outcome::{Observation, Outcome};
 use super::settings::Subject;
-use super::wheel::Wheel;
 use crate::drive::cosimulation::{CosimulationError, Excitation, Rig, Sample};
+use crate::drive::wheel::Wheel;
 use crate::importer::{Fmu, Type};
 
 /// What the drives need: both FMUs and the design under test.
@@ -32,7 +32,7 @@ impl TestBench {
         let step_s = self.subject.period_s;
         let steps = libm::round(drive.duration_s / step_s) as u32;
         let (course, wind) = (drive.course(&self.subject), drive.wind(&self.subject));
-        let wheel = Wheel::new(&course, &drive.actuator, step_s, steps);
+        let wheel = Wheel::new(|t| course.steering_rad(t), &drive.actuator, step_s, steps);
         let mut rig = Rig::new(&self.detector, &self.plant)?;
         self.set_up(&mut rig, drive)?;
         let excite = |t, v_x| {
@@ -40,18 +40,19 @@ impl TestBench {
             Excitation {
                 drive_torque: course.drive_torque_n_m(t, v_x),
                 steering_angle: course.steering_rad(t),
-                fault: drive.fault.map_or(0.0, |f| f.angle_rad(t, |t| wheel.angle_rad(t))),
+                fault: wheel.fault_rad(drive.fault.as_ref(), t),
                 side_force,
                 yaw_moment,
-                sensor_bias: drive.sensor_bias,
             }
         };
         rig.initialise(drive.duration_s, &excite(0.0, drive.plan.speed_m_per_s))?;
 
+        // Neither driver nor wind know of the bias of the measured speed.
+        let [v_x_bias, _] = drive.sensor_bias;
         let mut observation = Observation::default();
         for k in 0..steps {
             let time_s = f64::from(k) * step_s;
-            let sample = rig.step(time_s, step_s, |[v_x, _]| excite(time_s, v_x))?;
+            let sample = rig.step(time_s, step_s, |[v_x, _]| excite(time_s, v_x - v_x_bias))?;
             observation.add(&sample);
             record(&sample);
         }
@@ -62,6 +63,7 @@ impl TestBench {
     /// Gives the plant the vehicle, road, tyres, actuator and sensors of `drive`.
     fn set_up(&self, rig: &mut Rig, drive: &Drive) -> Result<(), CosimulationError> {
         let vehicle = &drive.vehicle;
+        let [v_x_bias_m_per_s, r_bias_rad_per_s] = drive.sensor_bias;
         let reals = [
             ("initial.v_x", drive.plan.speed_m_per_s),
             ("vehicle.M_v", vehicle.mass_kg),
@@ -70,6 +72,8 @@ impl TestBench {
             ("vehicle.C_f", vehicle.front_cornering_stiffness_n_per_rad),
             ("vehicle.C_r", vehicle.rear_cornering_stiffness_n_per_rad),
             ("road.bank", drive.bank_deg.to_radians()),
+            ("sensor.v_x_bias", v_x_bias_m_per_s),
+            ("sensor.r_bias", r_bias_rad_per_s),
         ];
         rig.plant
             .set_real(self.plant.reals(reals.map(|(name, _)| name))?, reals.map(|(_, x)| x))?;

@@ -25,9 +25,9 @@ use crate::drive::cosimulation::Run;
 use crate::drive::simulation::csv;
 use crate::fmu::runtime::Runtimes;
 
-/// What the command did.
+/// What was driven of a campaign, and the report once that is complete.
 #[derive(Serialize)]
-struct Outcome {
+struct DrivenPart {
     /// What the design may be called.
     status: DesignStatus,
     /// Number of blocks of this part.
@@ -174,29 +174,28 @@ fn drive_part(
     json: bool,
 ) -> Result<Exit, Failure> {
     let folder = Folder::open(&arguments.output, manifest.settings.drives, manifest)?;
-    let part = arguments.shard.blocks(folder.blocks());
-    let mut outcome = Outcome {
+    let blocks = arguments.shard.blocks(folder.blocks());
+    let mut part = DrivenPart {
         status,
-        blocks: part.end - part.start,
+        blocks: blocks.end - blocks.start,
         missing_blocks: Vec::new(),
         throughput: None,
         files: Vec::new(),
         report: None,
     };
     if !arguments.prepare {
-        let missing = folder.missing(part)?;
-        outcome.throughput =
-            drive(bench, &manifest.settings, &folder, &missing, workers(arguments))?;
+        let missing = folder.missing(blocks)?;
+        part.throughput = drive(bench, &manifest.settings, &folder, &missing, workers(arguments))?;
         if let Some(rows) = folder.rows()? {
             let report = Report::of(&rows, bench.subject.armed_v_x);
-            outcome.files = folder.write_results(&rows, &report)?.into();
-            outcome.report = Some(report);
+            part.files = folder.write_results(&rows, &report)?.into();
+            part.report = Some(report);
         }
     }
-    if outcome.report.is_none() {
-        outcome.missing_blocks = folder.missing(0..folder.blocks())?;
+    if part.report.is_none() {
+        part.missing_blocks = folder.missing(0..folder.blocks())?;
     }
-    print(json, &outcome, &text(&outcome))?;
+    print(json, &part, &text(&part))?;
     Ok(Exit::Done)
 }
 
@@ -231,24 +230,24 @@ fn drive(
     }))
 }
 
-/// The outcome for people.
-fn text(outcome: &Outcome) -> String {
-    let mut text = caution(outcome.status);
-    text += &match &outcome.report {
+/// The same for people.
+fn text(part: &DrivenPart) -> String {
+    let mut text = caution(part.status);
+    text += &match &part.report {
         Some(report) => report.text() + "\n",
         None => format!(
             "{} blocks of the campaign missing: run the other parts here, or copy their blocks/ here \
              and run the command once more\n",
-            outcome.missing_blocks.len()
+            part.missing_blocks.len()
         ),
     };
-    if let Some(t) = &outcome.throughput {
+    if let Some(t) = &part.throughput {
         text += &format!(
             "{} drives in {:.1} s, {} workers: {:.0} drive-seconds per second per worker\n",
             t.drives, t.wall_s, t.workers, t.drive_seconds_per_second_per_worker
         );
     }
-    for file in &outcome.files {
+    for file in &part.files {
         text += &format!("  {}\n", file.display());
     }
     text

@@ -13,8 +13,9 @@ use crate::cli::arguments::CheckArguments;
 use crate::cli::diagnostic;
 use crate::cli::failure::{Exit, Failure};
 
+/// An FMU and what is found in it.
 #[derive(Serialize)]
-struct Outcome<'a> {
+struct Checked<'a> {
     file: &'a Path,
     errors: usize,
     warnings: usize,
@@ -46,15 +47,15 @@ pub(super) fn run(arguments: &CheckArguments, json: bool) -> Result<Exit, Failur
         Failure::bad(format!("cannot read `{name}`: {error}")).help("name an FMU file")
     })?;
     let count = |level| findings.iter().filter(|finding| finding.level == level).count();
-    let outcome = Outcome {
+    let checked = Checked {
         file: path,
         errors: count(Level::Error),
         warnings: count(Level::Warning),
         notes: count(Level::Note),
         findings: findings.iter().map(Item::from).collect(),
     };
-    print(json, &outcome, &text(&outcome, &findings))?;
-    Ok(if outcome.errors == 0 { Exit::Done } else { Exit::No })
+    print(json, &checked, &text(&checked, &findings))?;
+    Ok(if checked.errors == 0 { Exit::Done } else { Exit::No })
 }
 
 fn as_diagnostic(finding: &Finding) -> Diagnostic {
@@ -72,18 +73,18 @@ fn as_diagnostic(finding: &Finding) -> Diagnostic {
     }
 }
 
-fn text(outcome: &Outcome<'_>, findings: &[Finding]) -> String {
+fn text(checked: &Checked<'_>, findings: &[Finding]) -> String {
     let drawn = findings.iter().map(|finding| diagnostic::draw(&as_diagnostic(finding)) + "\n\n");
     let mut text = anstream::adapter::strip_str(&drawn.collect::<String>()).to_string();
     let counts =
-        [(outcome.errors, "error"), (outcome.warnings, "warning"), (outcome.notes, "note")];
+        [(checked.errors, "error"), (checked.warnings, "warning"), (checked.notes, "note")];
     let counts: Vec<String> = counts
         .into_iter()
         .filter(|(count, _)| *count > 0)
         .map(|(count, word)| format!("{count} {word}{}", if count == 1 { "" } else { "s" }))
         .collect();
     let counts = if counts.is_empty() { "no findings".to_owned() } else { counts.join(", ") };
-    text += &format!("{}: {counts}\n", outcome.file.display());
+    text += &format!("{}: {counts}\n", checked.file.display());
     // What an FMU says must not reach the terminal as a control sequence.
     text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
 }

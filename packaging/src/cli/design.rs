@@ -12,8 +12,9 @@ use crate::cli::progress::Progress;
 use crate::fmu::design_summary::DesignSummary;
 use crate::output;
 
+/// A design and its file.
 #[derive(Serialize)]
-struct Outcome<'a> {
+struct Designed<'a> {
     design: DesignSummary,
     file: &'a Path,
 }
@@ -26,12 +27,12 @@ pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failu
         input::make(&spec, &progress).map_err(|failure| failure.at(arguments.spec.display()))?
     };
     write(&design, &arguments.output)?;
-    let outcome = Outcome { design: DesignSummary::of(&design), file: &arguments.output };
+    let designed = Designed { design: DesignSummary::of(&design), file: &arguments.output };
     let file = arguments.output.display();
     let exit = exit(&design);
     let missed = design.synthesis.unproven.as_ref();
     let missed = missed.map_or(String::new(), |missed| format!("Not certified: {missed}\n"));
-    print(json, &outcome, &format!("Design\n{}\n  {file}\n{missed}", outcome.design.text(None)))?;
+    print(json, &designed, &format!("Design\n{}\n  {file}\n{missed}", designed.design.text(None)))?;
     Ok(exit)
 }
 

@@ -20,8 +20,9 @@ use crate::fmu::design_summary::DesignSummary;
 use crate::fmu::runtime::Runtimes;
 use crate::output;
 
+/// All that the main job made and found.
 #[derive(Serialize)]
-struct Outcome {
+struct Demonstration {
     design: DesignSummary,
     proof: verify::Proof,
     detections: Vec<Detection>,
@@ -61,18 +62,18 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     drop(progress);
 
     let right = simulation.detections().all(Detection::is_right);
-    let outcome = Outcome {
+    let demonstration = Demonstration {
         design: DesignSummary::of(&designed),
         proof,
         detections: simulation.detections().cloned().collect(),
         files: Results { design: design_file, fmus, simulation: files },
     };
-    print(json, &outcome, &text(&outcome))?;
+    print(json, &demonstration, &text(&demonstration))?;
     Ok(if right { Exit::Done } else { Exit::No })
 }
 
-fn text(outcome: &Outcome) -> String {
-    let Outcome { design, proof, detections, files } = outcome;
+fn text(demonstration: &Demonstration) -> String {
+    let Demonstration { design, proof, detections, files } = demonstration;
     format!(
         "Design: the paper's vehicle\n{}\n\
          Detection: steering fault of 0.5 deg, under side wind, over 20 s\n{}\n\

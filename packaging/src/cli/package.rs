@@ -24,8 +24,9 @@ pub(super) struct Packaged {
     pub(super) bytes: usize,
 }
 
+/// A design and the FMUs made of it.
 #[derive(Serialize)]
-struct Outcome {
+struct PackagedDesign {
     /// What the design may be called.
     status: DesignStatus,
     fmus: Vec<Packaged>,
@@ -56,7 +57,7 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
     let platforms = runtimes.0.keys().map(|platform| platform.folder()).collect();
     let status = design.synthesis.status;
     let text = caution(status) + &listed(&fmus, "");
-    print(json, &Outcome { status, fmus, platforms }, &text)?;
+    print(json, &PackagedDesign { status, fmus, platforms }, &text)?;
     Ok(Exit::Done)
 }
 

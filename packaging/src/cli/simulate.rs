@@ -14,22 +14,22 @@ use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
 use crate::drive::detection::Detection;
-use crate::drive::scenario::Scenario;
+use crate::drive::scenario::{DOCUMENTED, Scenario};
 use crate::drive::simulation::{Files, Simulation, SimulationError};
 use crate::fmu::runtime::Runtimes;
 use crate::importer::Fmu;
 use crate::output;
 
+/// What simulated drives showed, and where they are recorded.
 #[derive(Serialize)]
-struct Outcome {
+struct Simulated {
     detections: Vec<Detection>,
     files: Files,
 }
 
 pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Failure> {
     if arguments.print_scenario {
-        let scenario = Scenario::default();
-        print(json, &scenario, &toml::to_string(&scenario).map_err(Failure::bad)?)?;
+        print(json, &Scenario::default(), DOCUMENTED)?;
         return Ok(Exit::Done);
     }
     let scenario = match &arguments.scenario {
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
     let text =
         format!("Detection\n{}\n{}", detection_table(simulation.detections()), listed(&files));
     let detections = simulation.detections().cloned().collect();
-    print(json, &Outcome { detections, files }, &text)?;
+    print(json, &Simulated { detections, files }, &text)?;
     Ok(Exit::Done)
 }
 

@@ -10,7 +10,7 @@ use crate::cli::failure::{Exit, Failure};
 
 /// What was proven, for machines.
 #[derive(Serialize)]
-struct Outcome {
+struct Verified {
     hash: String,
     #[serde(flatten)]
     figures: Option<Certified>,
@@ -85,6 +85,6 @@ pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failu
         (verdict.to_string(), if verdict.is_certified() { Exit::Done } else { Exit::No });
     let Verdict { hash, figures, statements, unchecked, .. } = verdict;
     let figures = figures.map(Certified::from);
-    print(json, &Outcome { hash, figures, proof, statements, unchecked }, &text)?;
+    print(json, &Verified { hash, figures, proof, statements, unchecked }, &text)?;
     Ok(exit)
 }

@@ -8,11 +8,12 @@
 //!   every `design.actuator.*` as `actuator.*`.
 
 use serde::{Serialize, Serializer};
-use steerguard_detector::Actuator;
+use steerguard_detector::{Actuator, Vehicle};
 
 use steerguard_designer::document::Mistakes;
 
 use crate::drive::scenario::{Scenario, SensorNoise};
+use crate::drive::wheel::Wheel;
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
 
 /// Why a co-simulation ended early.
@@ -115,18 +116,6 @@ pub fn run(
     let mut rig = Rig::new(detector, plant)?;
     let [mass_kg, drag] = rig.detector.get_real(detector.reals(["vehicle.M_v", "vehicle.C_x"])?)?;
     let cruise_torque_n_m = drag * initial_speed_m_per_s * initial_speed_m_per_s;
-    let excitation = |time_s| {
-        let v = initial_speed_m_per_s;
-        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
-        Excitation {
-            drive_torque: cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
-            steering_angle: scenario.steering_angle_rad.at(time_s, v),
-            fault: scenario.steering_fault_rad(time_s, v),
-            side_force,
-            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
-            sensor_bias: [0.0; 2],
-        }
-    };
     let initial_state = [
         initial_speed_m_per_s,
         scenario.initial_lateral_speed_m_per_s,
@@ -140,11 +129,44 @@ pub fn run(
     if [noise.v_x_std_m_per_s, noise.r_std_rad_per_s] != [0.0, 0.0] {
         rig.set_noise(plant, noise, detector.step_size_s().unwrap_or(step_s))?;
     }
-    rig.initialise(scenario.duration_s, &excitation(0.0))?;
+
+    let course = match &scenario.manoeuvre {
+        Some(table) => Some(table.course(&rig.vehicle(plant)?, initial_speed_m_per_s)),
+        None => None,
+    };
+    let command_rad = |time_s| match &course {
+        Some(course) => course.steering_rad(time_s),
+        None => scenario.steering_angle_rad.at(time_s, initial_speed_m_per_s),
+    };
+    let faulty = match &scenario.fault {
+        Some(table) => {
+            let wheel = Wheel::new(command_rad, &rig.actuator(plant)?, step_s, steps);
+            Some((table.fault(), wheel))
+        }
+        None => None,
+    };
+    let excitation = |time_s, v_x| {
+        let v = initial_speed_m_per_s;
+        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
+        Excitation {
+            drive_torque: match &course {
+                Some(course) => course.drive_torque_n_m(time_s, v_x),
+                None => cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
+            },
+            steering_angle: command_rad(time_s),
+            fault: match &faulty {
+                Some((fault, wheel)) => wheel.fault_rad(fault.as_ref(), time_s),
+                None => scenario.steering_fault_rad(time_s, v),
+            },
+            side_force,
+            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
+        }
+    };
+    rig.initialise(scenario.duration_s, &excitation(0.0, initial_speed_m_per_s))?;
     let samples = (0..steps)
         .map(|k| {
             let time_s = f64::from(k) * step_s;
-            rig.step(time_s, step_s, |_| excitation(time_s))
+            rig.step(time_s, step_s, |[v_x, _]| excitation(time_s, v_x))
         })
         .collect::<Result<_, _>>()?;
     rig.terminate()?;
@@ -164,8 +186,6 @@ pub struct Excitation {
     pub side_force: f64,
     /// Yaw moment, N m.
     pub yaw_moment: f64,
-    /// Added to what the plant measures: [v_x, r] in m/s, rad/s.
-    pub sensor_bias: [f64; 2],
 }
 
 /// An instance of either FMU, connected.
@@ -215,6 +235,9 @@ impl Ports {
     }
 }
 
+/// The plant's parameters of the steering actuator; a rate limit of 0 is none.
+const ACTUATOR: [&str; 3] = ["actuator.lag", "actuator.delay", "actuator.rate_limit"];
+
 /// What the plant calls the detector's constant `name`, where the plant has it as a parameter.
 pub fn name_in_plant(name: &str) -> Option<&str> {
     let of_plant = name.strip_prefix("design.").unwrap_or(name);
@@ -250,9 +273,58 @@ impl Rig {
     ) -> Result<(), CosimulationError> {
         let Actuator { lag_s, delay_s, rate_limit_rad_per_s } = *actuator;
         Ok(self.plant.set_real(
-            plant_fmu.reals(["actuator.lag", "actuator.delay", "actuator.rate_limit"])?,
+            plant_fmu.reals(ACTUATOR)?,
             [lag_s, delay_s, rate_limit_rad_per_s.unwrap_or(0.0)],
         )?)
+    }
+
+    /// The vehicle that the plant simulates.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a parameter is missing.
+    pub fn vehicle(&self, plant_fmu: &Fmu) -> Result<Vehicle, CosimulationError> {
+        let [
+            mass_kg,
+            yaw_inertia_kg_m2,
+            effective_longitudinal_inertia_kg_m,
+            front_axle_distance_m,
+            rear_axle_distance_m,
+            front_cornering_stiffness_n_per_rad,
+            rear_cornering_stiffness_n_per_rad,
+            longitudinal_drag_n_m_s2_per_m2,
+            lateral_drag_n_s2_per_m2,
+        ] = self.plant.get_real(plant_fmu.reals([
+            "vehicle.M_v",
+            "vehicle.I_z",
+            "vehicle.I_e",
+            "vehicle.l_f",
+            "vehicle.l_r",
+            "vehicle.C_f",
+            "vehicle.C_r",
+            "vehicle.C_x",
+            "vehicle.C_y",
+        ])?)?;
+        Ok(Vehicle {
+            mass_kg,
+            yaw_inertia_kg_m2,
+            effective_longitudinal_inertia_kg_m,
+            front_axle_distance_m,
+            rear_axle_distance_m,
+            front_cornering_stiffness_n_per_rad,
+            rear_cornering_stiffness_n_per_rad,
+            longitudinal_drag_n_m_s2_per_m2,
+            lateral_drag_n_s2_per_m2,
+        })
+    }
+
+    /// The steering actuator that the plant simulates.
+    ///
+    /// # Errors
+    /// [`CosimulationError`] if a parameter is missing.
+    pub fn actuator(&self, plant_fmu: &Fmu) -> Result<Actuator, CosimulationError> {
+        let [lag_s, delay_s, limit] = self.plant.get_real(plant_fmu.reals(ACTUATOR)?)?;
+        let rate_limit_rad_per_s = (limit > 0.0).then_some(limit);
+        Ok(Actuator { lag_s, delay_s, rate_limit_rad_per_s })
     }
 
     /// Gives the plant's sensors white noise, a new value each `period_s`.
@@ -307,7 +379,7 @@ impl Rig {
     ) -> Result<Sample, CosimulationError> {
         let [v_x, r, lateral_speed] = self.measure()?;
         let excitation = excite([v_x, r]);
-        let [v_x, r] = self.excite_detector([v_x, r], &excitation)?;
+        self.excite_detector([v_x, r], &excitation)?;
         self.excite_plant(&excitation)?;
         self.detector.do_step(time_s, step_s)?;
         self.plant.do_step(time_s, step_s)?;
@@ -316,8 +388,7 @@ impl Rig {
             self.detector.get_real(self.ports.detector_outputs)?;
         let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
         let [state] = self.detector.get_integer([self.ports.state])?;
-        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
-            excitation;
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
         Ok(Sample {
             time: time_s,
             v_x,
@@ -352,23 +423,17 @@ impl Rig {
         self.plant.get_real(self.ports.plant_outputs)
     }
 
-    /// Passes u and what the sensors say of [v_x, r] to the detector, and returns the latter.
     fn excite_detector(
         &mut self,
         [v_x, r]: [f64; 2],
         excitation: &Excitation,
-    ) -> Result<[f64; 2], CallError> {
-        let [v_x_bias, r_bias] = excitation.sensor_bias;
-        let measured = [v_x + v_x_bias, r + r_bias];
-        self.detector.set_real(
-            self.ports.detector_inputs,
-            [measured[0], measured[1], excitation.drive_torque, excitation.steering_angle],
-        )?;
-        Ok(measured)
+    ) -> Result<(), CallError> {
+        let Excitation { drive_torque, steering_angle, .. } = *excitation;
+        self.detector.set_real(self.ports.detector_inputs, [v_x, r, drive_torque, steering_angle])
     }
 
     fn excite_plant(&mut self, excitation: &Excitation) -> Result<(), CallError> {
-        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment, .. } =
+        let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } =
             *excitation;
         self.plant.set_real(
             self.ports.plant_inputs,

@@ -5,6 +5,7 @@
 //!   before the importer sees it.
 
 use serde::Serialize;
+use steerguard_model_description::detector::DetectorState;
 
 use crate::drive::cosimulation::{Run, Sample};
 
@@ -12,7 +13,7 @@ use crate::drive::cosimulation::{Run, Sample};
 pub const START_UP_S: f64 = 2.0;
 
 /// Item of `DetectorState` while residual, J and alarm are valid.
-pub(crate) const MONITORING: i32 = 2;
+pub(crate) const MONITORING: i32 = DetectorState::Monitoring.value();
 
 /// The figures of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -147,7 +148,7 @@ mod tests {
         let mut run = run(&[(0.0, false, 0.0), (0.5, false, 0.5)]);
         assert!(!Detection::of(&run).is_right());
         for sample in &mut run.samples {
-            sample.state = 3;
+            sample.state = DetectorState::OutOfRange.value();
         }
         assert!(Detection::of(&run).is_right());
     }

@@ -2,6 +2,8 @@
 
 pub mod cosimulation;
 pub mod detection;
+pub mod kinds;
 pub mod plot;
 pub mod scenario;
 pub mod simulation;
+pub mod wheel;

@@ -1,45 +1,15 @@
 //! What is driven in a co-simulation: a TOML file, by default the scenario of the paper's Fig. 1.
 //!
-//! ```toml
-//! duration_s = 20.0
-//! # communication_step_s = 0.01          # default: the detector's sampling period
-//! initial_speeds_m_per_s = [6.0, 15.0, 25.0, 5.0]   # one run each
-//! initial_lateral_speed_m_per_s = 1.0
-//! initial_yaw_rate_rad_per_s = 0.0
-//! side_wind_lever_arm_m = 0.25           # ahead of the centre of gravity
-//!
-//! [drive_torque_n_m]                     # on top of the torque that holds the initial speed
-//!
-//! [steering_angle_rad]
-//! amplitude = 0.02
-//! angular_frequency_rad_per_s = 0.5
-//! reference_speed_m_per_s = 5.0          # times sqrt(reference speed / initial speed)
-//!
-//! [side_wind_m_per_s2]                   # side force / vehicle mass
-//! amplitude = -0.1
-//! angular_frequency_rad_per_s = 0.3141592653589793
-//!
-//! [steering_fault_deg]
-//! offset = 0.5
-//! amplitude = -0.1
-//! angular_frequency_rad_per_s = 0.3141592653589793
-//! start_s = 5.0
-//!
-//! # [actuator]                           # of the vehicle; default: the one of the design
-//! # lag_s = 0.1
-//! # delay_s = 0.03
-//! # rate_limit_rad_per_s = 0.5
-//!
-//! [sensor_noise]                         # white, a new value each communication step
-//! v_x_std_m_per_s = 0.02
-//! r_std_rad_per_s = 0.002
-//! seed = 1
-//! ```
+#![doc = concat!("```toml\n", include_str!("scenario.toml"), "```")]
 //!
 //! # Conventions
 //! - A key or table left out of the file has the value above; a key left out of a table is 0.
 //! - `signal(t) = offset + amplitude sin(angular_frequency t)` from `start_s` on, 0 before.
 //! - The unit of a signal is in the name of its table.
+//! - Manoeuvres and faults are those of campaigns, by the same names, from the same code. Only their
+//!   `kind` has no default.
+//! - A manoeuvre is driven at the initial speed by a speed control. Its driver takes the vehicle for the
+//!   one of the plant.
 
 use std::f64::consts::PI;
 
@@ -47,11 +17,23 @@ use serde::{Deserialize, Serialize};
 use steerguard_designer::document::{self, Allowed, Mistake, Mistakes};
 use steerguard_designer::spec::ActuatorTable;
 
+use crate::drive::kinds::{FaultTable, ManoeuvreTable};
+
 /// More communication points than this are taken for a mistake.
 const MAX_STEPS: f64 = 1e7;
 
 /// Start times are met to this fraction of a second.
 const START_TOLERANCE_S: f64 = 1e-9;
+
+/// The default scenario with every key in it, or in a comment.
+pub const DOCUMENTED: &str = include_str!("scenario.toml");
+
+/// Signals, and the tables that take their place.
+const REPLACED: [(&str, &str); 3] = [
+    ("steering_angle_rad", "manoeuvre"),
+    ("drive_torque_n_m", "manoeuvre"),
+    ("steering_fault_deg", "fault"),
+];
 
 /// `offset + amplitude sin(angular_frequency t)` from a start time on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -142,6 +124,12 @@ pub struct Scenario {
     pub side_wind_m_per_s2: Signal,
     /// Angle added by the faulty actuator at the road wheel, degrees.
     pub steering_fault_deg: Signal,
+    /// Drives in place of `steering_angle_rad` and `drive_torque_n_m`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub manoeuvre: Option<ManoeuvreTable>,
+    /// Acts in place of `steering_fault_deg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<FaultTable>,
     /// The vehicle's steering actuator; the design's own if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub actuator: Option<ActuatorTable>,
@@ -180,6 +168,8 @@ impl Default for Scenario {
                 start_s: 5.0,
                 ..Signal::default()
             },
+            manoeuvre: None,
+            fault: None,
             actuator: None,
             sensor_noise: SensorNoise { v_x_std_m_per_s: 0.02, r_std_rad_per_s: 0.002, seed: 1 },
         }
@@ -192,7 +182,20 @@ impl Scenario {
     /// # Errors
     /// [`Mistakes`], each of which names the key, its value and what is allowed.
     pub fn parse(text: &str) -> Result<Self, Mistakes> {
-        document::read(text, Self::find_mistakes)
+        // What is no TOML is found by the reader.
+        let written: toml::Table = toml::from_str(text).unwrap_or_default();
+        document::read(text, |scenario: &Self, mistakes| {
+            scenario.find_mistakes(mistakes);
+            for (signal, instead) in REPLACED {
+                let both = written.contains_key(signal) && written.contains_key(instead);
+                mistakes.unless(!both, || {
+                    let allowed = format!("nothing beside [{instead}]");
+                    Mistake::value(signal, format_args!("{{ .. }}"), allowed)
+                        .help(format!("remove [{signal}] or [{instead}]"))
+                        .because_of(instead)
+                });
+            }
+        })
     }
 
     /// Number of communication steps of `step_s` seconds in a run.
@@ -248,6 +251,12 @@ impl Scenario {
         ] {
             signal.check(name, mistakes);
         }
+        if let Some(manoeuvre) = &self.manoeuvre {
+            manoeuvre.check(speeds, mistakes);
+        }
+        if let Some(fault) = &self.fault {
+            fault.check(mistakes);
+        }
         if let Some(actuator) = &self.actuator {
             actuator.check(ActuatorTable::LARGEST_DELAY_S, mistakes);
         }
@@ -257,24 +266,90 @@ impl Scenario {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::campaign::names::{FaultName, ManoeuvreName};
 
     #[test]
     fn the_documented_file_is_the_default() {
-        let documented: String = include_str!("scenario.rs")
-            .lines()
-            .skip_while(|line| *line != "//! ```toml")
-            .skip(1)
-            .take_while(|line| *line != "//! ```")
-            .map(|line| format!("{}\n", line.trim_start_matches("//!").trim_start()))
-            .collect();
-        assert_eq!(Scenario::parse(&documented).unwrap(), Scenario::default());
+        assert_eq!(Scenario::parse(DOCUMENTED).unwrap(), Scenario::default());
         assert_eq!(Scenario::parse("").unwrap(), Scenario::default());
+    }
+
+    /// The tables in the comments of the documented file, of the kinds that use each number.
+    #[test]
+    fn the_documented_manoeuvres_and_faults_are_the_defaults() {
+        let documented = |table: &str| -> Vec<(String, String, String)> {
+            DOCUMENTED
+                .lines()
+                .skip_while(|line| !line.starts_with(&format!("# [{table}]")))
+                .skip(1)
+                .map_while(|line| line.strip_prefix("# "))
+                .filter_map(|line| line.split_once(" = "))
+                .map(|(key, rest)| {
+                    let (value, comment) = rest.split_once('#').unwrap_or((rest, ""));
+                    (key.into(), value.trim().into(), comment.into())
+                })
+                .collect()
+        };
+        let read = |table: &str, kind: &str, line: &str| {
+            let text = format!("initial_speeds_m_per_s = [6]\n[{table}]\nkind = '{kind}'\n{line}");
+            Scenario::parse(&text)
+        };
+        for (table, kinds) in [
+            ("manoeuvre", ManoeuvreName::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>()),
+            ("fault", FaultName::ALL.iter().map(|kind| kind.name()).collect()),
+        ] {
+            let mut keys = documented(table);
+            assert_eq!(keys.remove(0).0, "kind");
+            assert!(keys.len() >= 6, "{table}: {keys:?}");
+            for kind in kinds {
+                assert!(DOCUMENTED.contains(&format!("\"{kind}\"")), "{kind}");
+                let plain = read(table, kind, "").unwrap();
+                for (key, value, comment) in &keys {
+                    let line = format!("{key} = {value}");
+                    let has_use =
+                        !comment.contains('"') || comment.contains(&format!("\"{kind}\""));
+                    match read(table, kind, &line) {
+                        Ok(stated) => {
+                            assert!(has_use, "{kind}: {key}");
+                            let manoeuvre = |scenario: &Scenario| {
+                                scenario.manoeuvre.map(|table| table.plan(6.0))
+                            };
+                            assert_eq!(manoeuvre(&stated), manoeuvre(&plain), "{kind}: {key}");
+                            let rate = |scenario: &Scenario| {
+                                scenario.manoeuvre.map(|table| table.steering_rate_rad_per_s)
+                            };
+                            assert_eq!(rate(&stated), rate(&plain), "{kind}: {key}");
+                            let fault =
+                                |scenario: &Scenario| scenario.fault.map(|table| table.fault());
+                            assert_eq!(fault(&stated), fault(&plain), "{kind}: {key}");
+                        }
+                        Err(mistakes) => {
+                            assert!(!has_use, "{kind}: {mistakes}");
+                            assert!(mistakes.to_string().contains("nothing, unless kind = "));
+                        }
+                    }
+                }
+            }
+        }
     }
 
     #[test]
     fn survives_a_round_trip() {
-        let text = toml::to_string(&Scenario::default()).unwrap();
-        assert_eq!(Scenario::parse(&text).unwrap(), Scenario::default());
+        let kinds = Scenario::parse(
+            "[manoeuvre]\nkind = 'roundabout'\nradius_m = 15\n[fault]\nkind = 'drift'\nrise_s = 1",
+        );
+        for scenario in [Scenario::default(), kinds.unwrap()] {
+            let text = toml::to_string(&scenario).unwrap();
+            // What a manoeuvre or a fault takes the place of is left out of a file.
+            let mut written: toml::Table = toml::from_str(&text).unwrap();
+            for (signal, instead) in REPLACED {
+                if written.contains_key(instead) {
+                    written.remove(signal);
+                }
+            }
+            let read = Scenario::parse(&toml::to_string(&written).unwrap());
+            assert_eq!(read.unwrap(), scenario);
+        }
     }
 
     #[test]
@@ -309,6 +384,49 @@ mod tests {
                 "steering_angle_rad.reference_speed",
             ),
             ("[steering_angle_rad]\noffset = nan", "steering_angle_rad.offset"),
+            ("[manoeuvre]\nstart_s = 1", "manoeuvre.kind"),
+            ("[manoeuvre]\nkind = 'slalom'", "manoeuvre.kind"),
+            ("[manoeuvre]\nkind = 'weave'\nspeed = 3", "manoeuvre.speed"),
+            (
+                "[manoeuvre]\nkind = 'weave'\nlateral_acceleration_m_per_s2 = 0",
+                "manoeuvre.lateral_acceleration_m_per_s2",
+            ),
+            (
+                "[manoeuvre]\nkind = 'weave'\nlateral_acceleration_m_per_s2 = -20.1",
+                "manoeuvre.lateral_acceleration_m_per_s2",
+            ),
+            (
+                "[manoeuvre]\nkind = 'weave'\nsteering_rate_rad_per_s = 0",
+                "manoeuvre.steering_rate_rad_per_s",
+            ),
+            ("[manoeuvre]\nkind = 'weave'\nstart_s = -1", "manoeuvre.start_s"),
+            ("[manoeuvre]\nkind = 'weave'\npause_s = -1", "manoeuvre.pause_s"),
+            ("[manoeuvre]\nkind = 'weave'\nradius_m = 20", "manoeuvre.radius_m"),
+            ("[manoeuvre]\nkind = 'roundabout'\nradius_m = 0", "manoeuvre.radius_m"),
+            (
+                "[manoeuvre]\nkind = 'stop and go'\nlowest_speed_m_per_s = -1",
+                "manoeuvre.lowest_speed_m_per_s",
+            ),
+            (
+                "[manoeuvre]\nkind = 'stop and go'\nlowest_speed_m_per_s = 5.1",
+                "at most the lowest initial speed, 5",
+            ),
+            (
+                "[manoeuvre]\nkind = 'stop and go'\nlongitudinal_acceleration_m_per_s2 = 0",
+                "manoeuvre.longitudinal_acceleration_m_per_s2",
+            ),
+            ("[fault]\nangle_deg = 1", "fault.kind"),
+            ("[fault]\nkind = 'biass'", "\"bias\""),
+            ("[fault]\nkind = 'bias'\nstart_s = -1", "fault.start_s"),
+            ("[fault]\nkind = 'bias'\nangle_deg = 90.1", "fault.angle_deg"),
+            ("[fault]\nkind = 'bias'\nrise_s = 1", "fault.rise_s"),
+            ("[fault]\nkind = 'drift'\nrise_s = 0", "fault.rise_s"),
+            ("[fault]\nkind = 'oscillation'\nfrequency_hz = 0", "fault.frequency_hz"),
+            ("[fault]\nkind = 'loss of effectiveness'\nlost_share = 1.1", "fault.lost_share"),
+            ("[fault]\nkind = 'delay'\ndelay_s = -0.1", "fault.delay_s"),
+            ("[manoeuvre]\nkind = 'sine'\n[steering_angle_rad]", "steering_angle_rad"),
+            ("[manoeuvre]\nkind = 'sine'\n[drive_torque_n_m]", "drive_torque_n_m"),
+            ("[fault]\nkind = 'none'\n[steering_fault_deg]", "steering_fault_deg"),
         ] {
             let message = Scenario::parse(text).unwrap_err().to_string();
             assert!(message.contains(key), "{text}: {message}");

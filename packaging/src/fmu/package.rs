@@ -5,8 +5,9 @@ use std::io;
 use steerguard_detector::Vehicle;
 use steerguard_fmu::{BakedDesign, DesignError, DetectorModel};
 use steerguard_fmu_core::Model;
+use steerguard_model_description::plant::PlantVariable;
 use steerguard_model_description::{DefaultExperiment, xml};
-use steerguard_plant::{PlantModel, PlantVariable};
+use steerguard_plant::PlantModel;
 
 use crate::fmu::archive::Archive;
 use crate::fmu::bake::{BakeError, bake};

@@ -187,8 +187,9 @@ fn push(table: &mut String, time_s: f64, values: &[f64]) {
 
 #[cfg(test)]
 mod tests {
-    use steerguard_model_description::{Causality, Variable, VariableSet, detector};
-    use steerguard_plant::PlantVariable;
+    use steerguard_model_description::detector::DetectorVariable;
+    use steerguard_model_description::plant::PlantVariable;
+    use steerguard_model_description::{Causality, Variable, VariableSet};
 
     use super::*;
 
@@ -201,7 +202,7 @@ mod tests {
         let plant = PlantVariable::TABLE;
         assert_eq!(names(plant, Causality::Input), PLANT_INPUTS);
         assert_eq!(names(plant, Causality::Output), PLANT_OUTPUTS);
-        let detector = detector::DetectorVariable::TABLE;
+        let detector = DetectorVariable::TABLE;
         assert_eq!(names(detector, Causality::Input), DETECTOR_INPUTS);
         assert_eq!(names(detector, Causality::Output), DETECTOR_OUTPUTS);
     }

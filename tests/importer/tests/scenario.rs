@@ -91,12 +91,7 @@ fn assert_same(fmu: &mut Fmu, plain: &Detector, time_s: f64) {
     ] {
         assert_eq!(fmu.real(name), value, "{name} at {time_s} s");
     }
-    let state = match output.monitor {
-        Monitor::Starting => 1,
-        Monitor::Monitoring => 2,
-        Monitor::OutOfRange => 3,
-        Monitor::InvalidInput => 4,
-    };
+    let state = steerguard_fmu::state(output.monitor).value();
     assert_eq!(fmu.integer("state"), state, "state at {time_s} s");
     assert_eq!(fmu.boolean("alarm"), output.alarm, "alarm at {time_s} s");
     assert_eq!(fmu.boolean("alarm_latched"), output.first_alarm.is_some());

@@ -7,7 +7,8 @@
 
 use std::f64::consts::TAU;
 
-use steerguard_detector::{Detector, Input, Measurement, Monitor};
+use steerguard_detector::{Detector, Input, Measurement};
+use steerguard_model_description::detector::DetectorState;
 
 pub const DURATION_S: u64 = 60;
 
@@ -96,12 +97,7 @@ impl Shown {
             ],
             alarm: output.alarm,
             alarm_latched: output.first_alarm.is_some(),
-            state: match output.monitor {
-                Monitor::Starting => 1,
-                Monitor::Monitoring => 2,
-                Monitor::OutOfRange => 3,
-                Monitor::InvalidInput => 4,
-            },
+            state: steerguard_fmu::state(output.monitor).value(),
         }
     }
 }
@@ -126,7 +122,9 @@ pub fn plain(mut detector: Detector, step: Step, period_s: f64) -> Vec<Shown> {
 
 /// Checks that a record has something in it to be wrong.
 pub fn assert_eventful(record: &[Shown]) {
-    let states: Vec<i32> = (1..=4).filter(|s| record.iter().any(|row| row.state == *s)).collect();
-    assert_eq!(states, [2, 3, 4], "Monitoring, OutOfRange, InvalidInput");
+    use DetectorState::{InvalidInput, Monitoring, OutOfRange};
+    let occurs = |state: &&DetectorState| record.iter().any(|row| row.state == state.value());
+    let states: Vec<_> = DetectorState::ALL.iter().filter(occurs).copied().collect();
+    assert_eq!(states, [Monitoring, OutOfRange, InvalidInput]);
     assert!(record.iter().any(|row| row.alarm) && record.iter().any(|row| !row.alarm));
 }

@@ -5,10 +5,8 @@
 //! - `vehicle.*` have the names that the detector gives its vehicle data, so that an importer can
 //!   copy them from one FMU to the other.
 
-use steerguard_model_description::names::PLANT;
-use steerguard_model_description::{
-    Causality, Initial, Kind, ModelInfo, Role, Variability, unit, variables,
-};
+use crate::names::PLANT;
+use crate::{Causality, Initial, Kind, ModelInfo, Role, Variability, unit, variables};
 
 /// The model as a whole.
 pub const INFO: ModelInfo = ModelInfo {
