@@ -30,7 +30,7 @@ pub struct Method {
     pub decay_per_s: Option<f64>,
     /// beta of the synthesis as a fraction of the largest; default 0.97.
     pub beta_fraction: f64,
-    /// Method "gap": number of syntheses; default 6.
+    /// Method "gap": number of syntheses; default 16.
     pub search_budget: usize,
 }
 
@@ -45,7 +45,7 @@ impl Default for Method {
             decay: None,
             decay_per_s: None,
             beta_fraction: 0.97,
-            search_budget: 6,
+            search_budget: 16,
         }
     }
 }
