@@ -77,9 +77,19 @@ impl Table {
 }
 
 /// An output's fields by name, exact.
-fn fields(output: &Output) -> [(&'static str, String); 9] {
-    let Output { residual, v_y_hat, j_rms, j_th, detectability, alarm, monitor, first_alarm } =
-        output;
+fn fields(output: &Output) -> [(&'static str, String); 11] {
+    let Output {
+        residual,
+        v_y_hat,
+        j_rms,
+        j_th,
+        detectability,
+        alarm,
+        alarm_cause,
+        monitor,
+        state_cause,
+        first_alarm,
+    } = output;
     let Measurement { v_x_m_per_s, r_rad_per_s } = residual;
     let real = |x: &f64| format!("{x:?}");
     [
@@ -90,7 +100,9 @@ fn fields(output: &Output) -> [(&'static str, String); 9] {
         ("j_th", real(j_th)),
         ("detectability", real(detectability)),
         ("alarm", alarm.to_string()),
+        ("alarm_cause", format!("{alarm_cause:?}")),
         ("monitor", format!("{monitor:?}")),
+        ("state_cause", format!("{state_cause:?}")),
         ("first_alarm", first_alarm.map_or_else(String::new, |sample| sample.to_string())),
     ]
 }
