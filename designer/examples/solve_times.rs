@@ -20,6 +20,8 @@ const BANDS: [f64; 5] = [1.5, 1.25, 1.0, 0.75, 0.5];
 const NOISE: &str = "[noise.r]\nbound_rad_per_s = 0.002\nband_hz = [0.0, 1.5]\n";
 /// All vertices of K.
 const ALL: usize = 16;
+/// Decay rate, a sample.
+const DECAY: f64 = 0.97;
 
 fn main() -> Result<(), Box<dyn Error>> {
     if std::env::args().nth(1).as_deref() != Some("growth") {
@@ -53,7 +55,7 @@ fn report(series: &str, size: usize, spec: &str, vertices: usize) -> Result<(), 
     spec.evaluation.weights = Spec::paper().evaluation.weights;
     let inputs = Inputs::of(&spec)?;
     let start = Instant::now();
-    let mut theorem = Theorem4::of(&spec, &inputs);
+    let mut theorem = Theorem4::of(&spec, &inputs, DECAY);
     theorem.k.truncate(vertices);
     let beta = spec.design.beta_fraction * theorem.beta_bound();
     let synthesis = solve(&theorem, Goal::SmallestGamma { beta: Some(beta) })?;

@@ -56,7 +56,7 @@ struct Value {
 
 fn papers_theorem() -> Theorem4 {
     let spec = Spec::paper();
-    Theorem4::of(&spec, &Inputs::of(&spec).unwrap())
+    Theorem4::of(&spec, &Inputs::of(&spec).unwrap(), 0.97)
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn full_and_high_bands_of_disturbances_are_proven() {
     for (band, band_hz) in [(Band::Full, [0.0, 50.0]), (Band::High(theta), [0.5, 50.0])] {
         let mut inputs = Inputs::of(&papers.spec).unwrap();
         inputs.disturbances[0].band = band;
-        let theorem = Theorem4::of(&papers.spec, &inputs);
+        let theorem = Theorem4::of(&papers.spec, &inputs, 0.97);
         let magnitudes = frozen(&points, &gains.gains, &inputs);
         let (figures, certificate) = certified(&theorem, &gains, &magnitudes, &inputs).unwrap();
         assert!(magnitudes.gamma < figures.gamma);

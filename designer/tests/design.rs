@@ -84,7 +84,8 @@ fn frozen_gains_lie_within_what_is_certified() {
 
 /// Theorem and numbers of a design, from its file alone.
 fn from_file(design: &Design) -> (Theorem4, ObserverGains, Lyapunov) {
-    let theorem = Theorem4::of(&design.spec, &Inputs::of(&design.spec).unwrap());
+    let theorem =
+        Theorem4::of(&design.spec, &Inputs::of(&design.spec).unwrap(), design.performance.decay);
     let gains = ObserverGains {
         gains: design.configuration().gains,
         h: design.vertices.map(|rule| rule.h),
@@ -437,7 +438,7 @@ fn obstacle(change: impl Fn(&mut Spec)) -> Obstacle {
 
 #[test]
 fn too_fast_a_decay_is_blamed_on_stability() {
-    let found = obstacle(|spec| spec.design.decay = 0.5);
+    let found = obstacle(|spec| spec.design.decay = Some(0.5));
     let Obstacle::Stability { decay, smallest: Some(smallest) } = found else {
         panic!("{found:?}");
     };
@@ -445,7 +446,7 @@ fn too_fast_a_decay_is_blamed_on_stability() {
     assert!(found.to_string().contains("(33)"));
     // Its twin: the decay rate it names is possible.
     let mut twin = spec();
-    twin.design.decay = smallest;
+    twin.design.decay = Some(smallest);
     designed(&twin).unwrap();
 }
 

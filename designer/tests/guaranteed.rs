@@ -127,7 +127,7 @@ fn bounds_agree_with_an_independent_solver() {
     let fixture: Fixture = serde_json::from_str(include_str!("fixtures/peak_bounds.json")).unwrap();
     let noise = "noise.v_x.bound_m_per_s = 0.02\nnoise.r.bound_rad_per_s = 0.002\n";
     let spec = papers_but(&format!("{GUARANTEED}{noise}evaluation.weights = [0.1, 1.0]\n"));
-    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap());
+    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap(), 0.97);
     let h = fixture.h.each_ref().map(matrix);
     let gains = ObserverGains::new(&matrix(&fixture.e), &h, &theorem.a);
     let bounds = peak_bounds(&spec, &theorem, &gains).unwrap();
@@ -162,7 +162,7 @@ fn white_noise_without_a_bound_is_refused() {
 #[test]
 fn error_that_grows_has_no_bound() {
     let spec = papers_but(GUARANTEED);
-    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap());
+    let theorem = Theorem4::of(&spec, &inputs::Inputs::of(&spec).unwrap(), 0.97);
     let none = matrix(&[[0.0; 2]; 3]);
     // Without injection N_i = A_i, which holds v_x and r for ever.
     let gains = ObserverGains::new(

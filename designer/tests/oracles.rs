@@ -148,7 +148,7 @@ fn certified_gains_agree_with_several_bands_and_bounded_noise() {
     for case in &fixture.certificates {
         let spec = papers_but(&case.spec);
         let inputs = Inputs::of(&spec).unwrap();
-        let theorem = Theorem4::of(&spec, &inputs);
+        let theorem = Theorem4::of(&spec, &inputs, 0.97);
         let gains = fixture.observer.gains(&spec);
         let value = |channel: &Channel, gain: Gain, expected: f64| {
             certify(&ErrorSystem::new(&theorem, &gains, channel), channel.band, gain, expected)
@@ -174,7 +174,7 @@ fn syntheses_agree_with_several_bands_and_bounded_noise() {
     for case in noise_and_bands().syntheses {
         let spec = papers_but(&case.spec);
         let inputs = Inputs::of(&spec).unwrap();
-        let theorem = Theorem4::of(&spec, &inputs);
+        let theorem = Theorem4::of(&spec, &inputs, 0.97);
         near(&format!("{}: bound", case.name), theorem.beta_bound(), case.bound, 1e-9);
         let synthesis = solve(&theorem, Goal::SmallestGamma { beta: Some(case.beta) }).unwrap();
         near(&format!("{}: gamma", case.name), synthesis.gamma * inputs.bound, case.gamma, 5e-3);

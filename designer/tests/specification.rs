@@ -286,6 +286,15 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("design.alpha_d = inf", &["`design.alpha_d` = inf"]),
         ("design.V = [0, 1, 0]", &["`design.V` = [0.0, 1.0, 0.0]", "||C V'||"]),
         ("design.decay = 1", &["`design.decay` = 1.0", "between 0 and 1"]),
+        ("design.decay_per_s = 0", &["`design.decay_per_s` = 0.0", "a finite number > 0"]),
+        (
+            "design.decay = 0.97\ndesign.decay_per_s = 3",
+            &["`design.decay_per_s` = 3.0", "nothing beside design.decay", "state one of them"],
+        ),
+        (
+            "[[fault]]\nchannel = \"steering\"\nlargest_deg = 0.2",
+            &["`fault[0].largest_deg` = 0.2", "from 0.5 to 90"],
+        ),
         ("design.beta_fraction = 1.01", &["`design.beta_fraction` = 1.01"]),
         ("evaluation.window_samples = 257", &["= 257", "from 1 to 256"]),
         ("evaluation.window_samples = 0", &["= 0", "from 1 to 256"]),

@@ -403,12 +403,17 @@ impl Responses {
         v_x: f64,
     ) -> [f64; CAUSES] {
         let mut levels = [0.0; CAUSES];
-        let along = self.along.iter().flat_map(|motion| motion.iter().enumerate());
-        let common = self.common.iter().enumerate().map(|(k, e)| (ALONG + k, e));
-        for (k, e) in along.chain(common) {
-            if let Some(level) = levels.get_mut(k) {
-                *level = f64::max(*level, size(evaluation, *e));
+        // Of the motion with the largest sum, as in the threshold.
+        let sum = |motion: &[StateVector; ALONG]| motion.iter().map(|e| size(evaluation, *e)).sum();
+        let (mut worst, mut largest) = ([[0.0; 3]; ALONG], 0.0_f64);
+        for motion in &self.along {
+            let of_motion: f64 = sum(motion);
+            if of_motion > largest {
+                (worst, largest) = (*motion, of_motion);
             }
+        }
+        for (level, e) in levels.iter_mut().zip(worst.iter().chain(&self.common)) {
+            *level = size(evaluation, *e);
         }
         let errors = deviations.uncertainty.sensed(v_x);
         let sensed = levels.iter_mut().skip(ALONG + COMMON);

@@ -2,6 +2,7 @@
 
 pub mod certificate;
 pub mod certified;
+pub mod estimate;
 pub mod frequency;
 pub mod operating_point;
 pub mod start_up;

@@ -66,6 +66,17 @@ impl OperatingPoint {
         Self::at_speeds(model, [min, 2.0 / (1.0 / min + 1.0 / max), max].into_iter())
     }
 
+    /// The vertices of the rules' premise, each with both ends of v_y.
+    pub fn vertices(model: &TsModel) -> Vec<Self> {
+        let ends = |interval: Interval| [interval.min, interval.max];
+        let speeds = ends(model.range.v_x).into_iter();
+        let of_speed = |v_x| ends(model.range.r).map(|r| [v_x, r]);
+        let premises = speeds.flat_map(of_speed);
+        let of_premise =
+            |[v_x, r]: [f64; 2]| ends(model.range.v_y).map(|v_y| Self::new(model, [v_x, v_y, r]));
+        premises.flat_map(of_premise).collect()
+    }
+
     fn at_speeds(model: &TsModel, speeds: impl Iterator<Item = f64>) -> Vec<Self> {
         let mut points = Vec::new();
         for v_x in speeds {

@@ -10,6 +10,11 @@
 //!
 //! give `||W_r r_j||^2 <= e_j' P e_j <= tau^(2 j) v_y^2 max_i [0 1 0] P_i [0 1 0]'`. The smallest such
 //! bound for a given tau is a semidefinite programme.
+//!
+//! # Conventions
+//! - Programme and check measure e_2 in units of s, with which N is balanced: `N' = T^-1 N T`,
+//!   `P' = T P T`, T = diag(1, s, 1), a congruence of the inequalities. Gains with large E_22 would
+//!   otherwise make rounding larger than any margin. P_i are stored in SI.
 
 use steerguard_detector::{C, Evaluation, RULES, StartUp};
 
@@ -86,6 +91,8 @@ fn bound_at(
     weights: [f64; 2],
     v_y: f64,
 ) -> Option<StartUpBound> {
+    let s = balance(dynamics);
+    let dynamics = &scaled(dynamics, s);
     let unit = weights[0].max(weights[1]);
     let w_c = Matrix::from_fn(2, 3, |row, column| weights[row] / unit * matrix(&C)[(row, column)]);
     let output = w_c.transpose() * w_c;
@@ -115,11 +122,34 @@ fn bound_at(
         1.0 + p_norm * (1.0 + n_norm * n_norm),
     );
     margin.holds().then(|| StartUpBound {
-        amplitude: unit * largest.sqrt() * v_y * ROUNDED_UP,
+        amplitude: unit * largest.sqrt() / s * v_y * ROUNDED_UP,
         decay,
-        p: p.map(|p| p * (unit * unit)),
+        p: p.map(|p| in_units(&p, 1.0 / s, 1.0 / s) * (unit * unit)),
         margin,
     })
+}
+
+/// The unit of e_2 in which what N sends from the measured errors to e_2 is as large as what it sends
+/// back: a power of two, so that scaling rounds nothing.
+fn balance(dynamics: &ErrorDynamics) -> f64 {
+    let largest = |of: fn(&Matrix) -> [f64; 2]| {
+        dynamics.iter().flatten().flat_map(of).map(f64::abs).fold(0.0, f64::max)
+    };
+    let to_e_2 = largest(|n| [n[(1, 0)], n[(1, 2)]]);
+    let from_e_2 = largest(|n| [n[(0, 1)], n[(2, 1)]]);
+    let s = (to_e_2 / from_e_2).sqrt();
+    if s.is_normal() { s.log2().round().exp2() } else { 1.0 }
+}
+
+/// `T^-1 N T`.
+fn scaled(dynamics: &ErrorDynamics, s: f64) -> ErrorDynamics {
+    dynamics.each_ref().map(|of_rule| of_rule.each_ref().map(|n| in_units(n, 1.0 / s, s)))
+}
+
+/// The second row times `row`, the second column times `column`.
+fn in_units(x: &Matrix, row: f64, column: f64) -> Matrix {
+    let of = |k: usize, factor: f64| if k == 1 { factor } else { 1.0 };
+    Matrix::from_fn(3, 3, |i, j| of(i, row) * x[(i, j)] * of(j, column))
 }
 
 /// The inequalities at the head of this module.

@@ -22,6 +22,7 @@ use steerguard_world::GRAVITY_M_PER_S2;
 
 use crate::analysis::certificate::{Check, Margin};
 use crate::analysis::certified::{APosteriori, CertifiedFigures};
+use crate::analysis::estimate::EstimateFigures;
 use crate::analysis::frequency::{Frozen, PointFigures};
 use crate::document::Mistakes;
 use crate::lmi::matrix::Rows3;
@@ -237,6 +238,11 @@ pub struct Performance {
     pub spectral_radii: [f64; RULES],
     /// Frozen beta times the smallest fault of interest: what J tends to, at least.
     pub smallest_fault_residual: f64,
+    /// The decay rate of the error that the gains were made for, a sample: the stated one or what the
+    /// search found.
+    pub decay: f64,
+    /// What the fault that is designed for does to the estimated lateral speed; null for torque.
+    pub estimate: Option<EstimateFigures>,
     /// The figures at every operating point of the grid.
     pub operating_points: Vec<PointFigures>,
     /// The faults that the gains were not made for.

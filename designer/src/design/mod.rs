@@ -6,6 +6,7 @@ use clarabel::solver::SolverStatus;
 use steerguard_detector::{C, Configuration, ConfigurationError, Evaluation, RULES};
 
 use crate::analysis::certificate::{Check, check, error_dynamics};
+use crate::analysis::estimate::EstimateFigures;
 use crate::analysis::frequency::{detection_ratio, frozen, limit};
 use crate::analysis::operating_point::{OperatingPoint, fixed, spectral_radius};
 use crate::analysis::start_up;
@@ -55,8 +56,8 @@ pub enum DesignError {
     },
     /// The residual has no bound after a start.
     #[error(
-        "no decaying bound on the residual after a start was found: lower design.decay or narrow \
-         operating_range.v_y_m_per_s"
+        "no decaying bound on the residual after a start was found: raise design.decay or leave it out, \
+         or narrow operating_range.v_x_m_per_s"
     )]
     StartUp,
     /// There is no threshold.
@@ -83,12 +84,8 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
     spec.check()?;
     let model = model::model(spec);
     let inputs = Inputs::of(spec)?;
-    let theorem = Theorem4::of(spec, &inputs);
 
-    let found = match spec.design.method {
-        MethodName::Paper => paper(spec, &theorem, &inputs, progress)?,
-        MethodName::Gap => by_gap(spec, &theorem, &inputs, progress)?,
-    };
+    let found = found(spec, &inputs, progress)?;
     let Found { gains, synthesis, theorem, worth, .. } = &found;
     let (certified, a_posteriori) = worth.certified.clone().unzip();
     // The matrices of (31) and (32), where the gains are those that they were found with.
@@ -145,6 +142,9 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
                     .into(),
             spectral_radii: gains.gains.n.map(|n| spectral_radius(&fixed(&n))),
             smallest_fault_residual,
+            decay: theorem.decay,
+            estimate: estimate_cap(spec)
+                .map(|cap| EstimateFigures::of(&model, &gains.gains, &inputs.fault, cap)),
             operating_points: worth.points.clone(),
             other_faults: other_faults(spec, gains, worth, &inputs)?,
             sight,
@@ -191,6 +191,40 @@ struct Found {
     check: Option<Check>,
     /// Of method "gap".
     search: Option<SearchRecord>,
+    /// Of method "gap": see [`crate::search::Found`].
+    merit: f64,
+    is_refined: bool,
+}
+
+/// Gains by the method asked for, with the first decay rate that has a certified design; where none
+/// has, the best there is.
+fn found(
+    spec: &Spec,
+    inputs: &Inputs,
+    progress: &mut dyn FnMut(Step),
+) -> Result<Found, DesignError> {
+    let mut best: Option<Found> = None;
+    let mut refused = None;
+    for decay in spec.design.decays(spec.sampling.period_s) {
+        let theorem = Theorem4::of(spec, inputs, decay);
+        let found = match spec.design.method {
+            MethodName::Paper => return paper(spec, &theorem, inputs, progress),
+            MethodName::Gap => by_gap(spec, &theorem, inputs, progress),
+        };
+        match found {
+            Some(found) if found.is_refined => return Ok(found),
+            Some(found) if best.as_ref().is_none_or(|best| found.merit > best.merit) => {
+                best = Some(found);
+            }
+            Some(_) => {}
+            None => refused = refused.or(Some(theorem)),
+        }
+    }
+    match (best, refused) {
+        (Some(found), _) => Ok(found),
+        (None, Some(theorem)) => Err(infeasible(spec, &theorem)),
+        (None, None) => Err(DesignError::StartUp),
+    }
 }
 
 /// Method "paper": Theorem 4 with the given multipliers.
@@ -221,20 +255,22 @@ fn paper(
             iterations: largest.iterations,
         }),
         search: None,
+        merit: 0.0,
+        is_refined: true,
         synthesis,
     })
 }
 
-/// Method "gap": the search.
+/// Method "gap": the search. None where no synthesis has a solution.
 fn by_gap(
     spec: &Spec,
     theorem: &Theorem4,
     inputs: &Inputs,
     progress: &mut dyn FnMut(Step),
-) -> Result<Found, DesignError> {
-    let found = search(theorem, &model::model(spec), inputs, &spec.design, progress)
-        .ok_or_else(|| infeasible(spec, theorem))?;
-    Ok(Found {
+) -> Option<Found> {
+    let cap = estimate_cap(spec);
+    let found = search(theorem, &model::model(spec), inputs, &spec.design, cap, progress)?;
+    Some(Found {
         gains: found.gains,
         p_s: found.p_s,
         worth: found.worth,
@@ -243,7 +279,14 @@ fn by_gap(
         largest_beta: None,
         check: None,
         search: Some(found.record),
+        merit: found.merit,
+        is_refined: found.is_refined,
     })
+}
+
+/// Cap on e_2 after a step of the fault that is designed for.
+fn estimate_cap(spec: &Spec) -> Option<f64> {
+    spec.fault[0].estimate_cap(spec.operating_range.v_y_m_per_s)
 }
 
 /// What stands in the way of a synthesis.

@@ -3,22 +3,15 @@
 use nalgebra::Complex;
 use steerguard_detector::{C, Gains, RULES, TsModel};
 
+use crate::analysis::estimate;
 use crate::analysis::frequency::{detection_ratio, noise_rms};
-use crate::analysis::operating_point::{
-    Column, FrozenError, OperatingPoint, extreme_gains, spectral_radius,
-};
+use crate::analysis::operating_point::{Column, FrozenError, OperatingPoint, extreme_gains};
 use crate::lmi::matrix::{Matrix, matrix};
 use crate::problem::band::Band;
 use crate::problem::inputs::Inputs;
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
 
-/// Price of a mode that decays too slowly.
-const PENALTY: f64 = 1e3;
-/// Price of a residual whose scale drifts, by the square of its logarithm.
-const DRIFT_PRICE: f64 = 0.01;
-/// Modes no slower than this keep their noise in the search.
-const STABLE: f64 = 0.995;
 /// Frequencies across a low band, and across others.
 const LOW_FREQUENCIES: u32 = 3;
 const OTHER_FREQUENCIES: u32 = 15;
@@ -29,35 +22,48 @@ pub(super) struct Worst {
     beta: f64,
     gamma: f64,
     noise_rms: f64,
+    /// Largest |e_2| after a unit step of the fault.
+    peak: f64,
 }
 
 impl Worst {
     pub(super) fn ratio(self, inputs: &Inputs) -> f64 {
         detection_ratio(self.beta, self.gamma, self.noise_rms, inputs)
     }
+
+    /// By how much e_2 exceeds the cap: 1 where it does not.
+    pub(super) fn excess(self, cap: Option<f64>) -> f64 {
+        cap.map_or(1.0, |cap| (self.peak / cap).max(1.0))
+    }
 }
 
 /// What the search maximises.
 pub(super) struct Objective<'a> {
-    points: Vec<OperatingPoint>,
+    pub(super) points: Vec<OperatingPoint>,
+    /// The vertices of premise and rho.
+    pub(super) vertices: Vec<OperatingPoint>,
     pub(super) inputs: &'a Inputs,
     /// The beta that refined gains are held near: the ratio does not change with the residual's
     /// scale.
-    scale: f64,
-    fault_frequencies: Vec<f64>,
-    disturbance_frequencies: Vec<Vec<f64>>,
+    pub(super) scale: f64,
+    /// What a unit step of the fault may make of e_2, if it is held.
+    pub(super) cap: Option<f64>,
+    pub(super) fault_frequencies: Vec<f64>,
+    pub(super) disturbance_frequencies: Vec<Vec<f64>>,
 }
 
 impl<'a> Objective<'a> {
-    pub(super) fn new(model: &TsModel, inputs: &'a Inputs, scale: f64) -> Self {
+    pub(super) fn new(model: &TsModel, inputs: &'a Inputs, scale: f64, cap: Option<f64>) -> Self {
         let frequencies = |band: Band| match band {
             Band::Low(_) => band.grid(LOW_FREQUENCIES).collect(),
             _ => band.grid(OTHER_FREQUENCIES).collect(),
         };
         Self {
             points: OperatingPoint::coarse_grid(model),
+            vertices: OperatingPoint::vertices(model),
             inputs,
             scale,
+            cap,
             fault_frequencies: frequencies(inputs.fault.band),
             disturbance_frequencies: inputs
                 .disturbances
@@ -95,45 +101,22 @@ impl<'a> Objective<'a> {
 
     /// The worst figures of `gains`.
     pub(super) fn worst(&self, gains: &Gains) -> Worst {
-        let none = Worst { beta: 0.0, gamma: f64::INFINITY, noise_rms: f64::INFINITY };
-        let mut worst = Worst { beta: f64::INFINITY, gamma: 0.0, noise_rms: 0.0 };
+        let none = Worst {
+            beta: 0.0,
+            gamma: f64::INFINITY,
+            noise_rms: f64::INFINITY,
+            peak: f64::INFINITY,
+        };
+        let mut worst = Worst { beta: f64::INFINITY, gamma: 0.0, noise_rms: 0.0, peak: 0.0 };
         for point in &self.points {
             let error = FrozenError::new(point, gains, self.inputs.weights);
             let Some([beta, gamma_squared]) = self.at(&error) else { return none };
             worst.beta = worst.beta.min(beta);
             worst.gamma = worst.gamma.max(gamma_squared.sqrt());
             worst.noise_rms = worst.noise_rms.max(noise_rms(&error, self.inputs.white_std));
+            worst.peak = worst.peak.max(estimate::peak(&error, &self.inputs.fault));
         }
         worst
-    }
-
-    /// A smooth cost near `-ln` of the detection ratio: sums of powers in place of extremes, and a
-    /// price on modes slower than `slowest`.
-    pub(super) fn cost(&self, gains: &Gains, exponent: f64, slowest: f64) -> f64 {
-        let (mut ln_beta, mut ln_gamma, mut ln_noise) = (vec![], vec![], vec![]);
-        let mut penalty = 0.0;
-        for point in &self.points {
-            let error = FrozenError::new(point, gains, self.inputs.weights);
-            let radius = spectral_radius(&error.n);
-            penalty += PENALTY * (radius - slowest).max(0.0).powi(2);
-            // Beyond stability the noise goes on growing with the gains, not to infinity: the line
-            // search can turn back.
-            let contracted = FrozenError { n: error.n * f64::min(1.0, STABLE / radius), ..error };
-            let Some([beta, gamma_squared]) = self.at(&error) else {
-                return f64::INFINITY;
-            };
-            let variance = noise_rms(&contracted, self.inputs.white_std).powi(2);
-            ln_beta.push(beta.ln());
-            ln_gamma.push(gamma_squared.ln());
-            ln_noise.push(variance.ln());
-        }
-        let smallest = -soft_maximum(ln_beta.iter().map(|x| -x), exponent);
-        let largest = |x: &[f64]| soft_maximum(x.iter().copied(), exponent / 2.0).exp();
-        let bound = self.inputs.bound;
-        let background = largest(&ln_gamma) * bound * bound + largest(&ln_noise);
-        let ratio = smallest + self.inputs.smallest_fault.ln() - background.ln() / 2.0;
-        let scale = smallest - self.scale.ln();
-        penalty + DRIFT_PRICE * scale * scale - ratio
     }
 }
 
@@ -159,13 +142,4 @@ impl Objective<'_> {
         });
         ObserverGains::new(&e, &h, &theorem.a)
     }
-}
-
-/// `ln (sum exp(k x))^(1/k)`, near the largest x.
-fn soft_maximum(x: impl Iterator<Item = f64> + Clone, k: f64) -> f64 {
-    let largest = x.clone().fold(f64::NEG_INFINITY, f64::max);
-    if !largest.is_finite() {
-        return largest;
-    }
-    largest + x.map(|x| (k * (x - largest)).exp()).sum::<f64>().ln() / k
 }

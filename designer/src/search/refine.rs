@@ -1,28 +1,34 @@
 //! Gains refined by a quasi-Newton method.
+//!
+//! BFGS with a bisection for the weak Wolfe conditions: the extremes over points and frequencies leave
+//! kinks in the cost, which this pair passes (Lewis and Overton, Nonsmooth optimization via
+//! quasi-Newton methods, Mathematical Programming 141, 2013).
 
-use std::sync::{Mutex, PoisonError};
-
-use argmin::core::{CostFunction, Executor, Gradient};
-use argmin::solver::linesearch::MoreThuenteLineSearch;
-use argmin::solver::quasinewton::LBFGS;
-use rayon::prelude::*;
+use nalgebra::SMatrix;
 use steerguard_detector::{C, Gains, RULES};
 
 use crate::lmi::matrix::{Matrix, matrix};
+use crate::search::cost::{COORDINATES, Coordinates, Cost};
 use crate::search::objective::Objective;
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
 
 /// Exponents of the sums of powers that stand for minima and maxima, one refinement after the other.
 const EXPONENTS: [f64; 3] = [12.0, 30.0, 80.0];
-/// Quasi-Newton iterations of each.
-const ITERATIONS: u64 = 80;
-/// Pairs of steps that the quasi-Newton method remembers.
-const MEMORY: usize = 12;
-/// Relative step of the difference quotients.
-const DIFFERENCE: f64 = 1e-7;
+/// Quasi-Newton steps of each.
+const STEPS: usize = 150;
+/// Bisections of a line search.
+const BISECTIONS: usize = 25;
+/// Decrease asked of a step, in units of what the slope promises.
+const DECREASE: f64 = 1e-4;
+/// Share of the slope that may be left after a step.
+const CURVATURE: f64 = 0.5;
+/// Length of the first step.
+const FIRST_STEP: f64 = 1e-3;
+/// A step that lowers the cost by less is the last.
+const CONVERGED: f64 = 1e-9;
 
-/// Gains near `start` with the smallest cost found.
+/// Gains near `start` with the smallest cost found, modes and products to decay by `slowest`.
 pub(super) fn refine(
     objective: &Objective<'_>,
     start: &ObserverGains,
@@ -31,33 +37,86 @@ pub(super) fn refine(
 ) -> ObserverGains {
     let mut best = coordinates(&objective.to_scale(start, theorem).gains);
     for exponent in EXPONENTS {
-        let refinement = Refinement {
-            objective,
-            theorem,
-            exponent,
-            slowest,
-            best: Mutex::new((f64::INFINITY, best.clone())),
-        };
-        let line_search = MoreThuenteLineSearch::new();
-        // What comes out of it, whatever the reason to end, stands in `refinement`.
-        let _ = Executor::new(&refinement, LBFGS::new(line_search, MEMORY))
-            .configure(|state| state.param(best.clone()).max_iters(ITERATIONS))
-            .run();
-        best = refinement.best.into_inner().unwrap_or_else(PoisonError::into_inner).1;
+        best = minimise(&Cost { objective, exponent, slowest }, best);
     }
     objective.to_scale(&gains_at(&best, theorem), theorem)
 }
 
-/// Coordinates of gains: E, then the first and third column of each N_i; the second is that of M A_i.
-fn coordinates(gains: &Gains) -> Vec<f64> {
+/// A minimum of `cost` near `x`, or the best that was seen.
+fn minimise(cost: &Cost<'_>, mut x: Coordinates) -> Coordinates {
+    let (mut value, mut slope) = cost.at(&x);
+    // The inverse of the second derivatives, so far.
+    let mut inverse: Option<SMatrix<f64, COORDINATES, COORDINATES>> = None;
+    for _ in 0..STEPS {
+        let direction = match &inverse {
+            Some(inverse) => -(inverse * slope),
+            None => -slope * (FIRST_STEP / slope.norm()),
+        };
+        let Some((step, next_value, next_slope)) = line_search(cost, &x, value, &slope, direction)
+        else {
+            break;
+        };
+        let (bend, gained) = (next_slope - slope, value - next_value);
+        (x, value, slope) = (x + step, next_value, next_slope);
+        let curvature = step.dot(&bend);
+        if curvature > 0.0 {
+            let old = inverse
+                .unwrap_or_else(|| SMatrix::from_diagonal_element(curvature / bend.norm_squared()));
+            let across = old * bend;
+            let along = (1.0 + bend.dot(&across) / curvature) / curvature;
+            let mixed = (across * step.transpose() + step * across.transpose()) / curvature;
+            inverse = Some(old + step * step.transpose() * along - mixed);
+        }
+        if gained < CONVERGED {
+            break;
+        }
+    }
+    x
+}
+
+/// A step along `direction` that meets the weak Wolfe conditions, with cost and slope at its end; none
+/// where no step lowers the cost.
+fn line_search(
+    cost: &Cost<'_>,
+    x: &Coordinates,
+    value: f64,
+    slope: &Coordinates,
+    direction: Coordinates,
+) -> Option<(Coordinates, f64, Coordinates)> {
+    let promised = slope.dot(&direction);
+    if promised >= 0.0 || !promised.is_finite() {
+        return None;
+    }
+    let (mut too_short, mut too_long) = (0.0, f64::INFINITY);
+    let mut length = 1.0;
+    let mut lower = None;
+    for _ in 0..BISECTIONS {
+        let step = direction * length;
+        let (next_value, next_slope) = cost.at(&(x + step));
+        if next_value.is_nan() || next_value > value + DECREASE * length * promised {
+            too_long = length;
+        } else {
+            lower = Some((step, next_value, next_slope));
+            if next_slope.dot(&direction) >= CURVATURE * promised {
+                break;
+            }
+            too_short = length;
+        }
+        length = if too_long.is_finite() { (too_short + too_long) / 2.0 } else { 2.0 * too_short };
+    }
+    lower
+}
+
+/// Coordinates of gains, see [`crate::search::cost`].
+pub(super) fn coordinates(gains: &Gains) -> Coordinates {
     let e = gains.e.iter().flatten().copied();
     let n = gains.n.iter().flat_map(|n| n.iter().flat_map(|row| [row[0], row[2]]));
-    e.chain(n).collect()
+    Coordinates::from_iterator(e.chain(n))
 }
 
 /// The gains with the given coordinates.
-fn gains_at(x: &[f64], theorem: &Theorem4) -> ObserverGains {
-    let (of_e, of_n) = x.split_at(6);
+pub(super) fn gains_at(x: &Coordinates, theorem: &Theorem4) -> ObserverGains {
+    let (of_e, of_n) = x.as_slice().split_at(6);
     let e = Matrix::from_row_slice(3, 2, of_e);
     let c = matrix(&C);
     let m = Matrix::identity(3, 3) + &e * &c; // (11)
@@ -71,54 +130,6 @@ fn gains_at(x: &[f64], theorem: &Theorem4) -> ObserverGains {
 /// The gains halfway between two.
 pub(super) fn mean(a: &ObserverGains, b: &ObserverGains, theorem: &Theorem4) -> ObserverGains {
     let [a, b] = [a, b].map(|x| coordinates(&x.gains));
-    let middle: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a + b) / 2.0).collect();
+    let middle = (a + b) / 2.0;
     gains_at(&middle, theorem)
-}
-
-/// The cost of gains for the quasi-Newton method, and the best seen.
-struct Refinement<'a> {
-    objective: &'a Objective<'a>,
-    theorem: &'a Theorem4,
-    exponent: f64,
-    slowest: f64,
-    best: Mutex<(f64, Vec<f64>)>,
-}
-
-impl Refinement<'_> {
-    fn cost_at(&self, x: &[f64]) -> f64 {
-        let gains = gains_at(x, self.theorem).gains;
-        self.objective.cost(&gains, self.exponent, self.slowest)
-    }
-}
-
-impl CostFunction for &Refinement<'_> {
-    type Param = Vec<f64>;
-    type Output = f64;
-
-    fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        let cost = self.cost_at(x);
-        let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
-        if cost < best.0 {
-            *best = (cost, x.clone());
-        }
-        Ok(cost)
-    }
-}
-
-impl Gradient for &Refinement<'_> {
-    type Param = Vec<f64>;
-    type Gradient = Vec<f64>;
-
-    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, argmin::core::Error> {
-        let slope = |axis: usize| {
-            let step = DIFFERENCE * x[axis].abs().max(1e-2);
-            let at = |shift: f64| {
-                let mut x = x.clone();
-                x[axis] += shift;
-                self.cost_at(&x)
-            };
-            (at(step) - at(-step)) / (2.0 * step)
-        };
-        Ok((0..x.len()).into_par_iter().map(slope).collect())
-    }
 }

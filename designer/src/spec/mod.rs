@@ -102,7 +102,7 @@ impl Spec {
             },
             sampling: Sampling { euler_correction: false, ..Sampling::default() },
             uncertainty: UncertaintyTable::NONE,
-            design: Method { method: MethodName::Paper, ..Method::default() },
+            design: Method { method: MethodName::Paper, decay: Some(0.97), ..Method::default() },
             evaluation: Evaluation {
                 window_s: Some(0.4),
                 weights: [1.0, 1.0],

@@ -104,15 +104,15 @@ impl Multipliers {
 }
 
 impl Theorem4 {
-    /// The theorem's data for the model, method and `inputs` of `spec`.
-    pub fn of(spec: &Spec, inputs: &Inputs) -> Self {
+    /// The theorem's data for the model, method and `inputs` of `spec`, with a decay rate.
+    pub fn of(spec: &Spec, inputs: &Inputs, decay: f64) -> Self {
         Self::new(
             &model(spec),
             &inputs.disturbances,
             &inputs.fault,
             inputs.weights,
             &Multipliers::of(spec),
-            spec.design.decay,
+            decay,
         )
     }
 

@@ -11,6 +11,8 @@ use crate::refusal::Refusal;
 
 /// Share of the drives that the confidence of a [`Level`] leaves: it holds with 95 %.
 const LEFT_BY_CONFIDENCE: f64 = 0.05;
+/// What the largest fault may make of e_2 = v_y - v_y^, in units of the range of v_y.
+const RANGES_OF_V_Y: f64 = 4.0;
 /// Squarings of a matrix until its norm is that of its spectral radius.
 const SQUARINGS: i32 = 60;
 /// Rounding of a spectral radius, which a defective matrix takes the cube root of.
@@ -143,6 +145,14 @@ fn performance(design: &Design) -> Result<(), Refusal> {
     let residual = frozen.beta * smallest_fault;
     near(&of("smallest_fault_residual"), performance.smallest_fault_residual, residual)?;
 
+    // Stated, or else searched.
+    let method = &spec.design;
+    let by_second = method.decay_per_s.map(|x| (-x * spec.sampling.period_s).exp());
+    if let Some(stated) = method.decay.or(by_second) {
+        near(&of("decay"), performance.decay, stated)?;
+    }
+    estimate(design)?;
+
     // Every figure is the worst of the points'.
     let points = &performance.operating_points;
     let largest = |of: fn(&Point) -> f64| points.iter().map(of).fold(0.0, f64::max);
@@ -178,6 +188,31 @@ fn performance(design: &Design) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// Cap and size of what the first fault does to the estimate; the peak itself is recomputed with the
+/// gains at frozen operating points.
+fn estimate(design: &Design) -> Result<(), Refusal> {
+    let of = |key: &str| format!("performance.estimate.{key}");
+    let estimate = design.performance.estimate.as_ref();
+    let largest_deg = match &design.spec.fault[0] {
+        Fault::Steering { largest_deg, .. } => Some(*largest_deg),
+        Fault::Torque { .. } => None,
+    };
+    same(
+        "performance.estimate: whether there is one",
+        &estimate.is_some(),
+        &largest_deg.is_some(),
+    )?;
+    if let Some((estimate, largest_deg)) = estimate.zip(largest_deg) {
+        let [right, left] = design.spec.operating_range.v_y_m_per_s;
+        let range = f64::min(left, -right);
+        let cap = RANGES_OF_V_Y * range / largest_deg;
+        near(&of("cap_m_per_s_per_deg"), estimate.cap_m_per_s_per_deg, cap)?;
+        let leaves = range / estimate.peak_m_per_s_per_deg;
+        near(&of("leaves_range_from_deg"), estimate.leaves_range_from_deg, leaves)?;
+    }
+    Ok(())
+}
+
 /// Frozen figures among themselves.
 fn figures(key: &str, frozen: &Frozen, smallest_fault: f64, bound: f64) -> Result<(), Refusal> {
     let gap = frozen.beta * smallest_fault / (frozen.gamma * bound);
@@ -198,6 +233,7 @@ fn certified(design: &Design) -> Result<(), Refusal> {
         let bound = spec.disturbance[0].bound();
         let gap = claimed.beta * smallest(&spec.fault[0]) / (claimed.gamma * bound);
         near("performance.certified.gap", claimed.gap, gap)?;
+        same("performance.certified.decay", &claimed.decay, &design.performance.decay)?;
         // A proof covers every operating point.
         at_most("performance.certified.beta", claimed.beta, frozen.beta)?;
         at_most("performance.frozen.gamma", frozen.gamma, claimed.gamma)?;

@@ -31,6 +31,8 @@ const LATERAL_SPEEDS: u32 = 3;
 const STEPS: u32 = 1000;
 /// Doublings of the horizon until a decaying error's covariance is that of all time.
 const DOUBLINGS: u32 = 40;
+/// Samples of the response to a step.
+const RESPONSE: u32 = 4000;
 /// How far a figure may be from the one recomputed, relative: both are rounded.
 const ROUNDING: f64 = 1e-9;
 /// Places of v_x and r in the state.
@@ -65,6 +67,7 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
     same("performance.operating_points: their number", &points.len(), &grid.len())?;
 
     let mut gamma = vec![0.0_f64; channels.disturbances.len()];
+    let mut peak = 0.0_f64;
     let mut others = vec![f64::INFINITY; performance.other_faults.len()];
     for (index, (point, state)) in points.iter().zip(grid).enumerate() {
         let of = |key: &str| format!("performance.operating_points[{index}].{key}");
@@ -81,12 +84,17 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
         near(&of("beta"), beta, error.gains(&channels.fault)[0])?;
         near(&of("gamma"), total, of_blocks.iter().copied().fold(0.0, f64::hypot))?;
         near(&of("noise_rms"), noise_rms, error.noise_rms(design))?;
+        peak = peak.max(error.peak_of_e_2(&channels.fault));
         for (largest, of_block) in gamma.iter_mut().zip(of_blocks) {
             *largest = largest.max(of_block);
         }
         for (index, smallest) in others.iter_mut().enumerate() {
             *smallest = smallest.min(error.gains(&Channels::fault(design, index + 1)?)[0]);
         }
+    }
+    if let Some(estimate) = &performance.estimate {
+        let key = "performance.estimate.peak_m_per_s_per_deg";
+        near(key, estimate.peak_m_per_s_per_deg, peak * PI / 180.0)?;
     }
     let gamma = gamma.into_iter().fold(0.0, f64::hypot);
     near("performance.frozen.gamma", performance.frozen.gamma, gamma)?;
@@ -203,6 +211,20 @@ impl Error {
         }
         let (mean, half) = ((first + second) / 2.0, (first - second) / 2.0);
         (mean + half.hypot(both.norm())).sqrt()
+    }
+
+    /// Largest magnitude of the error's second component after a unit step of the fault.
+    fn peak_of_e_2(&self, fault: &Channel) -> f64 {
+        let [step] = columns_of::<3>(&fault.direction)[..] else { return f64::NAN };
+        let step = product(&self.m, &step);
+        let mut e = [0.0; 3];
+        let mut peak = 0.0_f64;
+        for _ in 0..RESPONSE {
+            let through = product(&self.n, &e);
+            e = std::array::from_fn(|k| through[k] + step[k]);
+            peak = peak.max(e[1].abs());
+        }
+        peak
     }
 
     /// RMS of the weighted residual under the specified white noise.

@@ -80,7 +80,7 @@ fn check_status(design: &Design) -> Result<(), Refusal> {
 /// The proof of a design that claims no figures: of decay and start-up alone.
 fn uncertified(dynamics: &ErrorDynamics, design: &Design) -> Result<Proof, Refusal> {
     let start_up = prove_start_up(dynamics, design)?;
-    let decay = design.spec.design.decay;
+    let decay = design.performance.decay;
     // That it does not hold may be why there is no certificate.
     Ok(match prove_decay(dynamics, &design.certificate.p_s, decay) {
         Ok(margin) => Proof { figures: None, decay: Some(decay), margins: vec![margin, start_up] },

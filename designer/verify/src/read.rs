@@ -121,7 +121,8 @@ pub struct UncertaintyOfSpec {
 #[derive(Deserialize)]
 pub struct Method {
     pub method: String,
-    pub decay: f64,
+    pub decay: Option<f64>,
+    pub decay_per_s: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -141,7 +142,7 @@ pub struct EvaluationOfSpec {
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(tag = "channel", rename_all = "lowercase")]
 pub enum Fault {
-    Steering { smallest_deg: f64, band_hz: [f64; 2] },
+    Steering { smallest_deg: f64, largest_deg: f64, band_hz: [f64; 2] },
     Torque { smallest_n_m: f64, band_hz: [f64; 2] },
 }
 
@@ -411,6 +412,9 @@ pub struct Performance {
     pub certified: Option<Certified>,
     pub spectral_radii: [f64; RULES],
     pub smallest_fault_residual: f64,
+    pub decay: f64,
+    /// Null for torque.
+    pub estimate: Option<Estimate>,
     pub operating_points: Vec<Point>,
     pub other_faults: Vec<OtherFault>,
     /// Null where the first fault is one of the drive torque.
@@ -445,6 +449,14 @@ impl Sight {
     pub fn judged(&self) -> impl Iterator<Item = &CourseSight> {
         self.courses.iter().filter(|course| course.lateral_acceleration_m_per_s2 == 0.0)
     }
+}
+
+/// What the first fault does to the estimated lateral speed.
+#[derive(Deserialize)]
+pub struct Estimate {
+    pub peak_m_per_s_per_deg: f64,
+    pub cap_m_per_s_per_deg: f64,
+    pub leaves_range_from_deg: f64,
 }
 
 /// Worst gains at frozen operating points.
