@@ -255,7 +255,8 @@ fn a_design_is_made_anew_from_the_specification_inside_an_old_one() {
     });
     set(&mut old, "/spec/evaluation/calibration", few.clone());
     set(&mut old, "/spec/design/method", json!("paper"));
-    // Half a degree drowns in what the paper's gains make of noise.
+    // Half a degree drowns in what the paper's gains make of noise, and few drives ask for a margin.
+    set(&mut old, "/spec/evaluation/margin", json!(2.0));
     set(&mut old, "/spec/fault/0/smallest_deg", json!(5.0));
     old.as_object_mut().unwrap().remove("detector");
     fs::write(path.join("old.json"), old.to_string()).unwrap();

@@ -27,8 +27,8 @@ use crate::simulation::{Acting, Simulation, Surroundings};
 use crate::spec::{self, Spec};
 use crate::threshold::{Threshold, steady_points};
 
-/// Sizes that are driven beside the smallest of interest, deg.
-const SIZES_DEG: [f64; 3] = [2.0, 5.0, 20.0];
+/// Sizes that are driven between the smallest of interest and the largest, deg.
+const SIZES_DEG: [f64; 2] = [2.0, 5.0];
 /// When the turn begins, and the fault, and for how long that lasts, s; all but the first longer where
 /// the window is longer than [`WINDOW_S`].
 const TURN_S: f64 = 1.0;
@@ -123,12 +123,14 @@ pub fn sight(
     configuration: &Configuration,
     threshold: &Threshold,
 ) -> Result<Option<Sight>, ConfigurationError> {
-    let spec::Fault::Steering { smallest_deg, .. } = spec.fault[0] else {
+    let spec::Fault::Steering { smallest_deg, largest_deg, .. } = spec.fault[0] else {
         return Ok(None);
     };
     let test = Test::new(spec, configuration)?;
     let mut sizes_deg = vec![smallest_deg];
-    sizes_deg.extend(SIZES_DEG.into_iter().filter(|&size_deg| size_deg > smallest_deg));
+    let between = |size_deg: &f64| smallest_deg < *size_deg && *size_deg < largest_deg;
+    sizes_deg.extend(SIZES_DEG.into_iter().filter(between));
+    sizes_deg.extend(Some(largest_deg).filter(|&largest_deg| largest_deg > smallest_deg));
     let courses: Vec<CourseSight> = steady_points(configuration)
         .into_par_iter()
         .enumerate()
