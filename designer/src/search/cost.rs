@@ -119,21 +119,19 @@ impl Cost<'_> {
             Term { value: value.ln(), slope: frozen.slope(&adjoint) * per }
         };
 
-        // Of a single column the squared largest gain is the squared smallest.
-        let frequencies = self.objective.fault_frequencies.iter();
-        let at = |&w: &f64| frozen.squared_gain(&output, &weights, &inputs.fault, w);
-        let gains: Option<Vec<_>> = frequencies.map(at).collect();
-        let beta = gains?.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let beta = ln(beta);
-
-        let mut gamma = (0.0, Adjoint::default());
+        // Over frequencies too, sums of powers leave fewer kinks. Of a single column the squared
+        // largest gain is the squared smallest.
+        let over = |channel: &Channel, frequencies: &[f64], exponent: f64| {
+            let at = |&w: &f64| Some(ln(frozen.squared_gain(&output, &weights, channel, w)?));
+            let gains: Option<Vec<Term>> = frequencies.iter().map(at).collect();
+            Some(soft_maximum(&gains?, exponent / 2.0))
+        };
+        let fault_frequencies = &self.objective.fault_frequencies;
+        let beta_squared = over(&inputs.fault, fault_frequencies, -self.exponent)?;
         let of_bands = inputs.disturbances.iter().zip(&self.objective.disturbance_frequencies);
-        for (channel, frequencies) in of_bands {
-            let at = |&w: &f64| frozen.squared_gain(&output, &weights, channel, w);
-            let gains: Option<Vec<_>> = frequencies.iter().map(at).collect();
-            let (value, adjoint) = gains?.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-            gamma = (gamma.0 + value, gamma.1.plus(&adjoint));
-        }
+        let bands: Option<Vec<Term>> = of_bands
+            .map(|(channel, frequencies)| over(channel, frequencies, self.exponent))
+            .collect();
 
         let (radius, of_radius) = spectral_radius(&frozen.n);
         let of_radius = Adjoint { n: of_radius, ..Adjoint::default() };
@@ -143,8 +141,9 @@ impl Cost<'_> {
             slope: frozen.slope(&of_radius) * (2.0 * PENALTY * excess),
         };
         Some(Terms {
-            ln_beta: Term { value: beta.value / 2.0, slope: beta.slope / 2.0 },
-            ln_gamma_squared: ln(gamma),
+            ln_beta: Term { value: beta_squared.value / 2.0, slope: beta_squared.slope / 2.0 },
+            // ln of the sum.
+            ln_gamma_squared: soft_maximum(&bands?, 1.0),
             ln_variance: ln(frozen.variance(
                 &output,
                 &weights,
@@ -190,17 +189,6 @@ struct Adjoint {
     from_noise: Matrix3x2<f64>,
     /// By `I + C E`.
     feedthrough: Matrix2<f64>,
-}
-
-impl Adjoint {
-    fn plus(&self, other: &Self) -> Self {
-        Self {
-            n: self.n + other.n,
-            m: self.m + other.m,
-            from_noise: self.from_noise + other.from_noise,
-            feedthrough: self.feedthrough + other.feedthrough,
-        }
-    }
 }
 
 /// The error dynamics at an operating point.

@@ -14,7 +14,7 @@ use crate::synthesis::theorem4::Theorem4;
 
 /// Frequencies across a low band, and across others.
 const LOW_FREQUENCIES: u32 = 3;
-const OTHER_FREQUENCIES: u32 = 15;
+const OTHER_FREQUENCIES: u32 = 24;
 
 /// beta, gamma and noise, each at its worst operating point.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,12 @@ impl<'a> Objective<'a> {
     pub(super) fn new(model: &TsModel, inputs: &'a Inputs, scale: f64, cap: Option<f64>) -> Self {
         let frequencies = |band: Band| match band {
             Band::Low(_) => band.grid(LOW_FREQUENCIES).collect(),
-            _ => band.grid(OTHER_FREQUENCIES).collect(),
+            // Closer together where they are low, as the modes are.
+            _ => {
+                let [from, to] = band.limits();
+                let share = |k| (f64::from(k) / f64::from(OTHER_FREQUENCIES)).powi(2);
+                (0..=OTHER_FREQUENCIES).map(|k| from + (to - from) * share(k)).collect()
+            }
         };
         Self {
             points: OperatingPoint::coarse_grid(model),

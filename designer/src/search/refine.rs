@@ -16,7 +16,7 @@ use crate::synthesis::theorem4::Theorem4;
 /// Exponents of the sums of powers that stand for minima and maxima, one refinement after the other.
 const EXPONENTS: [f64; 3] = [12.0, 30.0, 80.0];
 /// Quasi-Newton steps of each.
-const STEPS: usize = 150;
+const STEPS: usize = 300;
 /// Bisections of a line search.
 const BISECTIONS: usize = 25;
 /// Decrease asked of a step, in units of what the slope promises.
