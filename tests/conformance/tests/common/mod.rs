@@ -11,6 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use libloading::Library;
+use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
