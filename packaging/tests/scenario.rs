@@ -12,10 +12,11 @@ use steerguard::campaign::settings::Subject;
 use steerguard::campaign::simulation::TestBench;
 use steerguard::drive::cosimulation::{self, Sample};
 use steerguard::drive::scenario::Scenario;
+use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
-use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
-use steerguard_world::{Gusts, Tyres};
+use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
+use steerguard_world::{Gusts, Steering, Tyres};
 
 use fmu::open;
 
@@ -24,11 +25,14 @@ const ACTUATOR: Actuator =
 
 fn bench() -> TestBench {
     TestBench {
-        detector: open(&detector_fmu(&common::design(), &[], &Runtimes::detector()).unwrap()),
+        detector: open(
+            &detector_fmu(&common::design(), &Record::default(), &Runtimes::detector()).unwrap(),
+        ),
         plant: open(&plant_fmu(&Runtimes::plant()).unwrap()),
         subject: Subject {
             vehicle: Vehicle::PAPER,
             actuator: ACTUATOR,
+            zero: Zero::default(),
             period_s: 0.01,
             armed_v_x: Interval::new(5.5, 29.5),
             lateral_acceleration_m_per_s2: 3.0,
@@ -79,7 +83,8 @@ fn drive(scenario: &Scenario) -> Drive {
         sensor_bias: [0.0; 2],
         vehicle: Vehicle::PAPER,
         tyres: Tyres::Linear,
-        actuator: ACTUATOR,
+        steering: Steering::of(ACTUATOR),
+        v_x_scale: 0.0,
         fault: scenario.fault.unwrap().fault(),
     }
 }
