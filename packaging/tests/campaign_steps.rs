@@ -15,7 +15,7 @@ use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard_designer::spec::UncertaintyTable;
-use steerguard_detector::{Actuator, Gust, Interval, Vehicle};
+use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
 use steerguard_world::{FaultKind, Manoeuvre, Plan};
 
 use fmu::open;
@@ -23,6 +23,7 @@ use fmu::open;
 const SUBJECT: Subject = Subject {
     vehicle: Vehicle::PAPER,
     actuator: Actuator::NONE,
+    zero: Zero { steering_offset_rad: 0.0, yaw_rate_bias_rad_per_s: 0.0 },
     period_s: 0.01,
     armed_v_x: Interval::new(5.5, 29.5),
     lateral_acceleration_m_per_s2: 3.0,
@@ -117,7 +118,7 @@ fn drives_are_driven_through_their_actuator() {
         sensor_bias: [0.0; 2],
         ..drawn
     };
-    assert_eq!(drive.actuator, actuator);
+    assert_eq!(drive.steering.actuator, actuator);
     let [by_knowing, by_unaware] = [&knowing, &unaware].map(|bench| {
         let mut largest = 0.0_f64;
         bench.run(&drive, |sample| largest = largest.max(sample.j_rms)).unwrap();

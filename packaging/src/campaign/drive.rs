@@ -429,7 +429,7 @@ mod tests {
             assert!((0.2..=0.23).contains(&slower.delay_s));
             assert_eq!(slower.rate_limit_rad_per_s, Some(0.5));
             assert_eq!(slower.angle_limit_rad, Some(0.6));
-            assert_eq!(Drive::draw(&nominal, &subject, index).actuator, actuator);
+            assert_eq!(Drive::draw(&nominal, &subject, index).steering.actuator, actuator);
         }
     }
 

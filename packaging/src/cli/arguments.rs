@@ -55,7 +55,7 @@ pub enum Command {
     /// Co-simulate a detector FMU with a plant FMU
     Simulate(SimulateArguments),
     /// Drive many random drives: false alarms, detections and delays with confidence intervals
-    Campaign(CampaignArguments),
+    Campaign(Box<CampaignArguments>),
 }
 
 /// What a design may lack and be used all the same, if that is asked for.
