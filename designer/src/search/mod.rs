@@ -40,7 +40,7 @@ use crate::problem::inputs::Inputs;
 use crate::progress::Step;
 use crate::search::multipliers::Syntheses;
 use crate::search::objective::Objective;
-use crate::search::refine::{mean, refine};
+use crate::search::refine::{between, refine};
 use crate::search::starts::starts;
 use crate::spec::Method;
 use crate::synthesis::gains::ObserverGains;
@@ -62,6 +62,9 @@ const DECAY_RESERVE_OF_SYNTHESIS: [f64; 4] = [0.004, 0.015, 0.04, 0.08];
 /// Gains refined from the synthesis are certified beside the others if their ratio is at least this
 /// share of the best one's.
 const OF_SYNTHESIS: f64 = 0.5;
+
+/// Shares of the way from a synthesis to the gains refined from it at which others are tried.
+const BETWEEN: [f64; 3] = [0.1, 0.25, 0.5];
 
 /// What the search found on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -139,8 +142,9 @@ pub fn search(
 
     progress(Step::Refine);
     let of_synthesis = objective.to_scale(&best.synthesis.gains, theorem);
+    let of_synthesis = objective.with_least_e_2(&of_synthesis, theorem);
     let others = starts(theorem);
-    let refined = refined(&objective, &of_synthesis, &others, theorem);
+    let (refined, near_synthesis) = refined(&objective, &of_synthesis, &others, theorem);
 
     progress(Step::Certify);
     let excess = |gains: &ObserverGains| {
@@ -156,11 +160,11 @@ pub fn search(
     let mut choices: Vec<Choice> = refined.into_par_iter().map(choice).collect();
     let holds = |x: &Choice| x.worth.certified.is_some() && x.excess <= 1.0;
     let is_refined = choices.iter().any(holds);
-    // Where the synthesis has nearly the ratio of the refined gains, it or the mean of both may be
-    // certified for more.
+    // Where the synthesis has nearly the ratio of the refined gains, it or what lies between it and
+    // the gains refined from it may be certified for more.
     if choices.iter().all(|x| x.worth.certified_ratio(inputs) < best.ratio) {
-        let mean = choices.last().map(|x| mean(&of_synthesis, &x.gains, theorem));
-        let others = mean.into_iter().chain([of_synthesis]);
+        let between = BETWEEN.map(|share| between(&of_synthesis, &near_synthesis, share, theorem));
+        let others = between.into_iter().chain([of_synthesis]);
         choices.extend(others.filter_map(|gains| {
             let p_s = decay_certificate(theorem, &gains)?;
             Some(choice((gains, p_s)))
@@ -187,19 +191,20 @@ pub fn search(
 }
 
 /// The gains refined from the synthesis and from the best of other starts, with P_s,i that prove their
-/// decay.
+/// decay, and those from the synthesis whether or not they do.
 fn refined(
     objective: &Objective<'_>,
     of_synthesis: &ObserverGains,
     others: &[ObserverGains],
     theorem: &Theorem4,
-) -> Vec<(ObserverGains, [Matrix; RULES])> {
+) -> (Vec<(ObserverGains, [Matrix; RULES])>, ObserverGains) {
     let ratio = |gains: &ObserverGains| {
         let worst = objective.worst(&gains.gains);
         worst.ratio(objective.inputs) / worst.excess(objective.cap)
     };
     let at = |start: &ObserverGains, reserve: f64| {
         let gains = refine(objective, start, theorem, theorem.decay - reserve);
+        let gains = objective.with_least_e_2(&gains, theorem);
         (ratio(&gains), gains)
     };
     let proven = |mut gains: ObserverGains, further: &[f64]| {
@@ -232,5 +237,5 @@ fn refined(
     if near_synthesis.0 >= OF_SYNTHESIS * best {
         found.extend(proven(near_synthesis.1, &DECAY_RESERVE_OF_SYNTHESIS[1..]));
     }
-    found
+    (found, near_synthesis.1)
 }

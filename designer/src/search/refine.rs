@@ -127,9 +127,13 @@ pub(super) fn gains_at(x: &Coordinates, theorem: &Theorem4) -> ObserverGains {
     ObserverGains::new(&e, &h, &theorem.a)
 }
 
-/// The gains halfway between two.
-pub(super) fn mean(a: &ObserverGains, b: &ObserverGains, theorem: &Theorem4) -> ObserverGains {
+/// The gains a `share` of the way from `a` to `b`.
+pub(super) fn between(
+    a: &ObserverGains,
+    b: &ObserverGains,
+    share: f64,
+    theorem: &Theorem4,
+) -> ObserverGains {
     let [a, b] = [a, b].map(|x| coordinates(&x.gains));
-    let middle = (a + b) / 2.0;
-    gains_at(&middle, theorem)
+    gains_at(&(a + (b - a) * share), theorem)
 }
