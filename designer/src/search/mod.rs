@@ -51,7 +51,7 @@ use crate::synthesis::theorem4::Theorem4;
 /// is told a cap lower by this factor.
 const INSIDE_CAP: f64 = 0.7;
 /// Refined gains that are certified, at most.
-const CERTIFIED: usize = 2;
+const CERTIFIED: usize = 3;
 /// Modes and products shall decay faster than asked for by this much, since longer switching costs
 /// more than products show: what is tried one after the other. The first raises certified figures by
 /// some percent and costs frozen ones next to nothing.
@@ -142,7 +142,6 @@ pub fn search(
 
     progress(Step::Refine);
     let of_synthesis = objective.to_scale(&best.synthesis.gains, theorem);
-    let of_synthesis = objective.with_least_e_2(&of_synthesis, theorem);
     let others = starts(theorem);
     let (refined, near_synthesis) = refined(&objective, &of_synthesis, &others, theorem);
 
@@ -164,7 +163,8 @@ pub fn search(
     // the gains refined from it may be certified for more.
     if choices.iter().all(|x| x.worth.certified_ratio(inputs) < best.ratio) {
         let between = BETWEEN.map(|share| between(&of_synthesis, &near_synthesis, share, theorem));
-        let others = between.into_iter().chain([of_synthesis]);
+        let held = objective.with_least_e_2(&of_synthesis, theorem);
+        let others = between.into_iter().chain([held]);
         choices.extend(others.filter_map(|gains| {
             let p_s = decay_certificate(theorem, &gains)?;
             Some(choice((gains, p_s)))
