@@ -40,7 +40,7 @@ use crate::problem::inputs::Inputs;
 use crate::progress::Step;
 use crate::search::multipliers::Syntheses;
 use crate::search::objective::Objective;
-use crate::search::refine::{between, refine};
+use crate::search::refine::{STEPS, refine};
 use crate::search::starts::starts;
 use crate::spec::Method;
 use crate::synthesis::gains::ObserverGains;
@@ -63,8 +63,8 @@ const DECAY_RESERVE_OF_SYNTHESIS: [f64; 4] = [0.004, 0.015, 0.04, 0.08];
 /// share of the best one's.
 const OF_SYNTHESIS: f64 = 0.5;
 
-/// Shares of the way from a synthesis to the gains refined from it at which others are tried.
-const BETWEEN: [f64; 3] = [0.1, 0.25, 0.5];
+/// Steps of refinements that stay near the synthesis.
+const FEW_STEPS: [usize; 3] = [2, 5, 15];
 
 /// What the search found on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,7 +143,7 @@ pub fn search(
     progress(Step::Refine);
     let of_synthesis = objective.to_scale(&best.synthesis.gains, theorem);
     let others = starts(theorem);
-    let (refined, near_synthesis) = refined(&objective, &of_synthesis, &others, theorem);
+    let refined = refined(&objective, &of_synthesis, &others, theorem);
 
     progress(Step::Certify);
     let excess = |gains: &ObserverGains| {
@@ -159,12 +159,13 @@ pub fn search(
     let mut choices: Vec<Choice> = refined.into_par_iter().map(choice).collect();
     let holds = |x: &Choice| x.worth.certified.is_some() && x.excess <= 1.0;
     let is_refined = choices.iter().any(holds);
-    // Where the synthesis has nearly the ratio of the refined gains, it or what lies between it and
-    // the gains refined from it may be certified for more.
+    // Where the synthesis has nearly the ratio of the refined gains, it or what lies near it may be
+    // certified for more.
     if choices.iter().all(|x| x.worth.certified_ratio(inputs) < best.ratio) {
-        let between = BETWEEN.map(|share| between(&of_synthesis, &near_synthesis, share, theorem));
         let held = objective.with_least_e_2(&of_synthesis, theorem);
-        let others = between.into_iter().chain([held]);
+        let slowest = theorem.decay - DECAY_RESERVE_OF_SYNTHESIS[0];
+        let near = FEW_STEPS.map(|steps| refine(&objective, &held, theorem, slowest, steps));
+        let others = near.into_iter().chain([held]);
         choices.extend(others.filter_map(|gains| {
             let p_s = decay_certificate(theorem, &gains)?;
             Some(choice((gains, p_s)))
@@ -191,19 +192,19 @@ pub fn search(
 }
 
 /// The gains refined from the synthesis and from the best of other starts, with P_s,i that prove their
-/// decay, and those from the synthesis whether or not they do.
+/// decay.
 fn refined(
     objective: &Objective<'_>,
     of_synthesis: &ObserverGains,
     others: &[ObserverGains],
     theorem: &Theorem4,
-) -> (Vec<(ObserverGains, [Matrix; RULES])>, ObserverGains) {
+) -> Vec<(ObserverGains, [Matrix; RULES])> {
     let ratio = |gains: &ObserverGains| {
         let worst = objective.worst(&gains.gains);
         worst.ratio(objective.inputs) / worst.excess(objective.cap)
     };
     let at = |start: &ObserverGains, reserve: f64| {
-        let gains = refine(objective, start, theorem, theorem.decay - reserve);
+        let gains = refine(objective, start, theorem, theorem.decay - reserve, STEPS);
         let gains = objective.with_least_e_2(&gains, theorem);
         (ratio(&gains), gains)
     };
@@ -237,5 +238,5 @@ fn refined(
     if near_synthesis.0 >= OF_SYNTHESIS * best {
         found.extend(proven(near_synthesis.1, &DECAY_RESERVE_OF_SYNTHESIS[1..]));
     }
-    (found, near_synthesis.1)
+    found
 }
