@@ -210,6 +210,7 @@ fn gain(error: &FrozenError, input: &Channel) -> Gain {
     let [from, to] = input.band.limits();
     // A chord is shorter than its arc.
     let distance = (to - from) / f64::from(FREQUENCIES) / 2.0;
+    let error = error.balanced();
     let output = error.output.map(Complex::from);
     let columns = error.columns(input);
     let b = DMatrix::from_fn(3, columns.len(), |row, column| columns[column].0[row]);

@@ -90,6 +90,12 @@ impl OperatingPoint {
     }
 }
 
+/// The unit of e_2 that balances what is sent `to` it and `from` it: a power of two.
+pub(crate) fn balance(to: f64, from: f64) -> f64 {
+    let s = (to / from).sqrt();
+    if s.is_normal() { s.log2().round().exp2() } else { 1.0 }
+}
+
 /// Evenly spread values, ends included.
 fn spread(interval: Interval, count: u32) -> impl Iterator<Item = f64> {
     let step = (interval.max - interval.min) / f64::from(count - 1);
@@ -134,6 +140,24 @@ impl FrozenError {
             output: w_r * c,
             feedthrough: w_r * (Matrix2::identity() + c * e),
         }
+    }
+
+    /// The same with e_2 in units in which what N sends to it is as large as what N sends back, powers
+    /// of two that round nothing: norms then say what the dynamics do, not what they are measured in.
+    pub(crate) fn balanced(&self) -> Self {
+        let n = &self.n;
+        let s = balance(n[(1, 0)].abs().max(n[(1, 2)].abs()), n[(0, 1)].abs().max(n[(2, 1)].abs()));
+        let mut scaled = *self;
+        for k in 0..3 {
+            scaled.n[(1, k)] /= s;
+            scaled.m[(1, k)] /= s;
+        }
+        for k in 0..3 {
+            scaled.n[(k, 1)] *= s;
+        }
+        scaled.from_noise.row_mut(1).unscale_mut(s);
+        scaled.output.column_mut(1).scale_mut(s);
+        scaled
     }
 
     /// Every input of `channel`.

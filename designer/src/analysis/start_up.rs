@@ -19,7 +19,7 @@
 use steerguard_detector::{C, Evaluation, RULES, StartUp};
 
 use crate::analysis::certificate::{ErrorDynamics, Margin};
-use crate::analysis::operating_point::{spectral_radius, square};
+use crate::analysis::operating_point::{self, spectral_radius, square};
 use crate::lmi::affine::{Affine, Variables};
 use crate::lmi::matrix::{Matrix, matrix};
 use crate::lmi::solve::minimise;
@@ -137,8 +137,7 @@ fn balance(dynamics: &ErrorDynamics) -> f64 {
     };
     let to_e_2 = largest(|n| [n[(1, 0)], n[(1, 2)]]);
     let from_e_2 = largest(|n| [n[(0, 1)], n[(2, 1)]]);
-    let s = (to_e_2 / from_e_2).sqrt();
-    if s.is_normal() { s.log2().round().exp2() } else { 1.0 }
+    operating_point::balance(to_e_2, from_e_2)
 }
 
 /// `T^-1 N T`.

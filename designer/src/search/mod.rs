@@ -40,7 +40,7 @@ use crate::problem::inputs::Inputs;
 use crate::progress::Step;
 use crate::search::multipliers::Syntheses;
 use crate::search::objective::Objective;
-use crate::search::refine::{mean, refine};
+use crate::search::refine::{STEPS, refine};
 use crate::search::starts::starts;
 use crate::spec::Method;
 use crate::synthesis::gains::ObserverGains;
@@ -51,7 +51,7 @@ use crate::synthesis::theorem4::Theorem4;
 /// is told a cap lower by this factor.
 const INSIDE_CAP: f64 = 0.7;
 /// Refined gains that are certified, at most.
-const CERTIFIED: usize = 2;
+const CERTIFIED: usize = 3;
 /// Modes and products shall decay faster than asked for by this much, since longer switching costs
 /// more than products show: what is tried one after the other. The first raises certified figures by
 /// some percent and costs frozen ones next to nothing.
@@ -62,6 +62,9 @@ const DECAY_RESERVE_OF_SYNTHESIS: [f64; 4] = [0.004, 0.015, 0.04, 0.08];
 /// Gains refined from the synthesis are certified beside the others if their ratio is at least this
 /// share of the best one's.
 const OF_SYNTHESIS: f64 = 0.5;
+
+/// Steps of refinements that stay near the synthesis.
+const FEW_STEPS: [usize; 3] = [2, 5, 15];
 
 /// What the search found on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -156,11 +159,13 @@ pub fn search(
     let mut choices: Vec<Choice> = refined.into_par_iter().map(choice).collect();
     let holds = |x: &Choice| x.worth.certified.is_some() && x.excess <= 1.0;
     let is_refined = choices.iter().any(holds);
-    // Where the synthesis has nearly the ratio of the refined gains, it or the mean of both may be
+    // Where the synthesis has nearly the ratio of the refined gains, it or what lies near it may be
     // certified for more.
     if choices.iter().all(|x| x.worth.certified_ratio(inputs) < best.ratio) {
-        let mean = choices.last().map(|x| mean(&of_synthesis, &x.gains, theorem));
-        let others = mean.into_iter().chain([of_synthesis]);
+        let held = objective.with_least_e_2(&of_synthesis, theorem);
+        let slowest = theorem.decay - DECAY_RESERVE_OF_SYNTHESIS[0];
+        let near = FEW_STEPS.map(|steps| refine(&objective, &held, theorem, slowest, steps));
+        let others = near.into_iter().chain([held]);
         choices.extend(others.filter_map(|gains| {
             let p_s = decay_certificate(theorem, &gains)?;
             Some(choice((gains, p_s)))
@@ -199,7 +204,8 @@ fn refined(
         worst.ratio(objective.inputs) / worst.excess(objective.cap)
     };
     let at = |start: &ObserverGains, reserve: f64| {
-        let gains = refine(objective, start, theorem, theorem.decay - reserve);
+        let gains = refine(objective, start, theorem, theorem.decay - reserve, STEPS);
+        let gains = objective.with_least_e_2(&gains, theorem);
         (ratio(&gains), gains)
     };
     let proven = |mut gains: ObserverGains, further: &[f64]| {

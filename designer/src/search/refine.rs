@@ -15,8 +15,8 @@ use crate::synthesis::theorem4::Theorem4;
 
 /// Exponents of the sums of powers that stand for minima and maxima, one refinement after the other.
 const EXPONENTS: [f64; 3] = [12.0, 30.0, 80.0];
-/// Quasi-Newton steps of each.
-const STEPS: usize = 300;
+/// Quasi-Newton steps of each, until nothing is gained.
+pub(super) const STEPS: usize = 300;
 /// Bisections of a line search.
 const BISECTIONS: usize = 25;
 /// Decrease asked of a step, in units of what the slope promises.
@@ -28,26 +28,28 @@ const FIRST_STEP: f64 = 1e-3;
 /// A step that lowers the cost by less is the last.
 const CONVERGED: f64 = 1e-9;
 
-/// Gains near `start` with the smallest cost found, modes and products to decay by `slowest`.
+/// Gains near `start` with the smallest cost found by `steps` for each exponent, modes and products to
+/// decay by `slowest`.
 pub(super) fn refine(
     objective: &Objective<'_>,
     start: &ObserverGains,
     theorem: &Theorem4,
     slowest: f64,
+    steps: usize,
 ) -> ObserverGains {
     let mut best = coordinates(&objective.to_scale(start, theorem).gains);
     for exponent in EXPONENTS {
-        best = minimise(&Cost { objective, exponent, slowest }, best);
+        best = minimise(&Cost { objective, exponent, slowest }, best, steps);
     }
     objective.to_scale(&gains_at(&best, theorem), theorem)
 }
 
 /// A minimum of `cost` near `x`, or the best that was seen.
-fn minimise(cost: &Cost<'_>, mut x: Coordinates) -> Coordinates {
+fn minimise(cost: &Cost<'_>, mut x: Coordinates, steps: usize) -> Coordinates {
     let (mut value, mut slope) = cost.at(&x);
     // The inverse of the second derivatives, so far.
     let mut inverse: Option<SMatrix<f64, COORDINATES, COORDINATES>> = None;
-    for _ in 0..STEPS {
+    for _ in 0..steps {
         let direction = match &inverse {
             Some(inverse) => -(inverse * slope),
             None => -slope * (FIRST_STEP / slope.norm()),
@@ -125,11 +127,4 @@ pub(super) fn gains_at(x: &Coordinates, theorem: &Theorem4) -> ObserverGains {
         (&m * &theorem.a[i]) * c.transpose() - of_rule // (35)
     });
     ObserverGains::new(&e, &h, &theorem.a)
-}
-
-/// The gains halfway between two.
-pub(super) fn mean(a: &ObserverGains, b: &ObserverGains, theorem: &Theorem4) -> ObserverGains {
-    let [a, b] = [a, b].map(|x| coordinates(&x.gains));
-    let middle = (a + b) / 2.0;
-    gains_at(&middle, theorem)
 }

@@ -82,7 +82,7 @@ mod tests {
     use crate::problem::inputs::Inputs;
     use crate::problem::model;
     use crate::search::objective::Objective;
-    use crate::search::refine::refine;
+    use crate::search::refine::{STEPS, refine};
     use crate::spec::Spec;
 
     /// A BMW 320i as CommonRoad has it: neutral-steer.
@@ -110,7 +110,7 @@ mod tests {
             let scale = theorem.beta_bound();
             let objective = Objective::new(&model::model(&spec), &inputs, scale, Some(cap));
             let worst = |start: &ObserverGains| {
-                objective.worst(&refine(&objective, start, &theorem, 0.966).gains)
+                objective.worst(&refine(&objective, start, &theorem, 0.966, STEPS).gains)
             };
             let start = carried_over(&theorem).unwrap_or_else(|| panic!("a steering fault"));
             let found = worst(&start);
