@@ -207,7 +207,8 @@ fn another_vehicle_range_and_period_is_proven() {
         bound_deg = 3
         "#,
     );
-    assert_eq!(design.synthesis.status, DesignStatus::Certified);
+    // Proven; so few drives say nothing of what it sees.
+    assert!(design.performance.certified.is_some());
 }
 
 #[test]

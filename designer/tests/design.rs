@@ -303,7 +303,10 @@ fn an_actuator_changes_the_threshold_little_and_nothing_else() {
     let with = designed(&Spec { actuator, ..spec() }).unwrap();
     let without = papers_design();
     assert_eq!(with.vertices, without.vertices);
-    assert_eq!(with.performance, without.performance);
+    // What is seen, the actuator delays.
+    let mut performance = without.performance.clone();
+    performance.sight.clone_from(&with.performance.sight);
+    assert_eq!(with.performance, performance);
     assert_eq!(with.certificate, without.certificate);
     let ratio = with.detector.evaluation.threshold / without.detector.evaluation.threshold;
     assert!(ratio < 1.2 && ratio != 1.0, "{ratio}");
@@ -422,6 +425,7 @@ fn progress_names_every_step() {
             Step::StartUp,
             Step::Calibration { done: 0, of: 4 },
             Step::Calibration { done: 4, of: 4 },
+            Step::Sight,
         ]
     );
 }

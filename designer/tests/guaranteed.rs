@@ -27,7 +27,7 @@ use designed::{designed, designed_with_few_drives};
 
 const GUARANTEED: &str = "evaluation.threshold = \"guaranteed\"\n";
 /// Three standard deviations of the default's sensors.
-const BOUNDED_NOISE: &str = "noise.v_x.bound_m_per_s = 0.06\nnoise.r.bound_rad_per_s = 0.006\n";
+const BOUNDED_NOISE: &str = "operating_range.v_y_m_per_s = [-1.5, 1.5]\noperating_range.r_rad_per_s = [-0.55, 0.55]\nnoise.v_x.bound_m_per_s = 0.06\nnoise.r.bound_rad_per_s = 0.006\n";
 
 fn with_noise() -> &'static Design {
     static DESIGN: OnceLock<Design> = OnceLock::new();

@@ -102,11 +102,6 @@ fn a_modelled_actuator_is_no_fault_and_one_left_out_is_a_large_one() {
         ("actuator.lag_s = 0.1", Actuator { lag_s: 0.1, ..Actuator::NONE }, 1.0),
         ("actuator.delay_s = 0.037", Actuator { delay_s: 0.037, ..Actuator::NONE }, 0.4),
         (
-            "actuator.angle_limit_deg = 6",
-            Actuator { angle_limit_rad: Some(6_f64.to_radians()), ..Actuator::NONE },
-            0.4,
-        ),
-        (
             "actuator.rate_limit_rad_per_s = 0.15",
             Actuator { rate_limit_rad_per_s: Some(0.15), ..Actuator::NONE },
             1.0,

@@ -95,6 +95,7 @@ mod tests {
         spec.vehicle.rear_axle_distance_m = 1.4227;
         spec.vehicle.front_cornering_stiffness_n_per_rad = 64848.3;
         spec.vehicle.rear_cornering_stiffness_n_per_rad = 52700.1;
+        spec.operating_range = crate::spec::OperatingRangeTable::PAPER;
         spec
     }
 

@@ -173,6 +173,8 @@ fn leaving_the_range_against_the_command_is_an_alarm_of_its_own_cause() {
     assert_eq!(
         fmu.messages("logEvents"),
         [
+            "r changes by 0.7 rad/s within a sample at 5 s, 3.5 times the most that a vehicle and the \
+             sensor's noise allow: is it in deg/s?",
             "alarm at 5 s: r = 0.7 is not in [-0.55, 0.55], although the command does not lead there",
             "outside the range of the design from 5 s: r = 0.7 is not in [-0.55, 0.55]",
         ]

@@ -436,14 +436,16 @@ mod tests {
     #[test]
     fn manoeuvres_and_faults_are_equally_likely() {
         let drives: Vec<_> = (0..7000).map(|index| draw(&SETTINGS, index)).collect();
-        let near = |count: usize| assert!(count.abs_diff(1000) < 150, "{count} of 7000");
+        let near = |count: usize, expected| {
+            assert!(count.abs_diff(expected) < 150, "{count} of 7000");
+        };
         for manoeuvre in MANOEUVRES {
             let of = |drive: &&Drive| ManoeuvreName::of(&drive.plan.manoeuvre) == manoeuvre;
-            near(drives.iter().filter(of).count());
+            near(drives.iter().filter(of).count(), 7000 / MANOEUVRES.len());
         }
         for name in FaultName::ALL {
             let of = |drive: &&Drive| FaultName::of(drive.fault.as_ref()) == *name;
-            near(drives.iter().filter(of).count());
+            near(drives.iter().filter(of).count(), 7000 / FaultName::ALL.len());
         }
         let saturated = drives.iter().filter(|drive| drive.tyres != Tyres::Linear).count();
         assert!(saturated.abs_diff(3500) < 250, "{saturated} of 7000");

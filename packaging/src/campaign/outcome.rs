@@ -251,8 +251,8 @@ mod tests {
 
     #[test]
     fn an_alarm_that_goes_while_the_fault_stays_is_interrupted() {
-        let samples = [(0.1, true, 2), (0.1, false, 2), (0.1, false, 3), (0.1, true, 2)];
-        assert_eq!(outcome(&samples, Some(0.0)).interrupted_s, None, "masked");
+        let samples = [(0.0, true, 2), (0.1, true, 2), (0.1, false, 3), (0.1, true, 2)];
+        assert_eq!(outcome(&samples, Some(1.0)).interrupted_s, None, "masked");
         let samples = [(0.1, false, 2), (0.1, true, 2), (0.1, false, 2), (0.1, true, 3)];
         assert_eq!(outcome(&samples, Some(0.0)).interrupted_s, Some(1.0));
     }

@@ -203,7 +203,10 @@ mod tests {
         assert_eq!(names(plant, Causality::Input), PLANT_INPUTS);
         assert_eq!(names(plant, Causality::Output), PLANT_OUTPUTS);
         let detector = DetectorVariable::TABLE;
-        assert_eq!(names(detector, Causality::Input), DETECTOR_INPUTS);
+        // All but the switch, which keeps its start value.
+        let inputs = names(detector, Causality::Input);
+        let (switch, signals) = inputs.split_last().unwrap();
+        assert_eq!((signals, *switch), (DETECTOR_INPUTS.as_slice(), "enabled"));
         assert_eq!(names(detector, Causality::Output), DETECTOR_OUTPUTS);
     }
 
