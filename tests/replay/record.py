@@ -97,7 +97,7 @@ def edges(car, range_, part, t):
     elif 0.45 <= part < 0.48:
         measured = lambda y: [1.1 * high, y[1]]  # the speed sensor reads too much
     elif 0.55 <= part < 0.62:
-        command = 1.5  # which the wheel does not follow
+        command = 1.59  # which the wheel does not follow
     elif 0.72 <= part < 0.725:
         measured = lambda y: [math.nan, y[1]]
     elif 0.77 <= part < 0.775:
