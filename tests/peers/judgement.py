@@ -15,6 +15,7 @@ from scipy.stats import beta
 CONFIDENCE = 0.95
 SURE = 0.99
 FEWEST = 299  # 0.99^299 < 0.05
+RELEASE = 0.8  # of the threshold: below it an alarm may end
 
 
 def peaks(statistic, armed):
@@ -25,6 +26,19 @@ def peaks(statistic, armed):
 def threshold(peaks, drives_with_alarm):
     """Just above the peaks of all fault-free drives but `drives_with_alarm`."""
     return np.nextafter(np.sort(peaks)[::-1][drives_with_alarm], np.inf)
+
+
+def alarms(statistic, armed, threshold, period_s, hold_s):
+    """Raised where the statistic reaches the threshold; over after `hold_s` armed below RELEASE of it."""
+    raises, clear = armed & (statistic >= threshold), armed & (statistic < RELEASE * threshold)
+    alarm = np.zeros_like(raises)
+    stands, count = np.zeros(raises.shape[1], dtype=bool), np.zeros(raises.shape[1], dtype=int)
+    for k in range(len(raises)):
+        count = np.where(stands & clear[k], count + 1, 0)
+        ends = stands & clear[k] & (count * period_s >= hold_s)
+        stands = (stands & ~ends) | (~stands & raises[k])
+        alarm[k] = stands
+    return alarm
 
 
 @dataclass
@@ -39,10 +53,12 @@ class Outcomes:
     size_deg: np.ndarray  # largest angle that the fault added while armed
 
     @classmethod
-    def of(cls, statistic, armed, fault_rad, threshold, period_s):
+    def of(cls, statistic, armed, fault_rad, threshold, period_s, hold_s=None):
         samples = np.arange(len(armed))[:, None]
         acts = np.logical_or.accumulate(fault_rad != 0, axis=0)
         alarm = armed & (statistic >= threshold)
+        if hold_s is not None:
+            alarm = alarms(statistic, armed, threshold, period_s, hold_s)
         before = np.vstack([np.zeros((1, alarm.shape[1]), dtype=bool), alarm[:-1]])
         begins = alarm & ~before
         shown = acts & armed

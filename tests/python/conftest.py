@@ -106,8 +106,11 @@ def everything(steerguard, tmp_path_factory):
     folder = tmp_path_factory.mktemp("everything")
     spec, design, fmu = (folder / f"everything.{kind}" for kind in ("toml", "json", "fmu"))
     spec.write_text(EVERYTHING, encoding="utf-8")
-    for step in (["design", spec, "-o", design], ["package", design, "-o", fmu]):
-        subprocess.run([steerguard, *step], check=True, capture_output=True)
+    # With so much uncertain it may be blind, which is an answer too.
+    done = subprocess.run([steerguard, "design", spec, "-o", design], check=False, capture_output=True, text=True)
+    assert done.returncode in (0, 1) and design.exists(), done.stderr
+    package = ["package", design, "--allow", "uncertified,blind", "-o", fmu]
+    subprocess.run([steerguard, *package], check=True, capture_output=True)
     return Fmu(fmu, folder / "fmu"), Reference(json.loads(design.read_text(encoding="utf-8")))
 
 

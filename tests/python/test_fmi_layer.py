@@ -281,9 +281,11 @@ def test_integer_twins_follow_their_enumerations(detector):
         "Monitoring": {},
         "OutOfRange": {"v_x": 2.0},
         "InvalidInput": {"r": np.nan},
+        "Disabled": {"enabled": False},
     }
     items = {i.name: int(i.value) for i in items_of(detector, "state")}
-    assert set(inputs) == set(items), "a state more needs inputs that lead to it"
+    # StaleInput needs time: test_against_reference.py.
+    assert set(inputs) == set(items) - {"StaleInput"}, "a state more needs inputs that lead to it"
     names = ["state", "state_index", "initialisation", "initialisation_index"]
     for item in items_of(detector, "initialisation"):
         for order in itertools.permutations(list(inputs)[1:]):
@@ -302,7 +304,7 @@ def test_integer_twins_follow_their_enumerations(detector):
                 instance.exitInitializationMode()
                 assert_state("Starting")
                 for k, name in enumerate(order):
-                    instance.set(CRUISE["detector"] | inputs[name])
+                    instance.set(CRUISE["detector"] | {"enabled": True} | inputs[name])
                     try:
                         instance.doStep(k * 0.01, 0.01)
                     except FMICallException as warning:

@@ -155,7 +155,7 @@ def test_the_judgement_is_that_of_the_campaign(steerguard, fixtures, bench, tmp_
     arguments = ["--drives", 700, "--duration", 20, "--faults", "bias", "--fault-deg", "0..8",
                  "--parameters", 10, "--bank", 0, "--gust", 2, "--v-x-noise", 0.0005]  # fmt: skip
     parts = [
-        Outcomes.of(part.j_ratio, part.armed, part.fault_rad, 1.0, PERIOD_S)
+        Outcomes.of(part.j_ratio, part.armed, part.fault_rad, 1.0, PERIOD_S, hold_s=1.0)
         for part in bench.drive(arguments)
     ]
     ours = Outcomes.joined(parts)

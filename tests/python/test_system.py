@@ -93,7 +93,7 @@ def test_parameters_are_the_vehicle_and_actuator_of_the_design(structure, parame
         found = instance.get(names)
         assert set(names) == {n for n in instance.variables if n.startswith("vehicle.")}
     assert {n: values[f"plant.{n}"] for n in names} == found
-    actuator = ["lag", "delay", "rate_limit"]
+    actuator = ["lag", "delay", "rate_limit", "angle_limit"]
     with detector.instance() as instance:
         found = instance.get([f"design.actuator.{n}" for n in actuator])
     assert [values[f"plant.actuator.{n}"] for n in actuator] == list(found.values())

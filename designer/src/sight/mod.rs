@@ -22,7 +22,7 @@ use steerguard_world::{Course, Fault, FaultKind, Manoeuvre, Plan, TrueVehicle, T
 
 use crate::sight::equivalent::bank_and_wind_rad;
 pub use crate::sight::hidden::HiddenBy;
-use crate::sight::hidden::hidden_by;
+use crate::sight::hidden::{Missed, hidden_by};
 use crate::simulation::{Acting, Simulation, Surroundings};
 use crate::spec::{self, Spec};
 use crate::threshold::{Threshold, steady_points};
@@ -142,10 +142,20 @@ pub fn sight(
     let blind = if missed.is_empty() {
         None
     } else {
+        let missed_at: Vec<Missed> = missed
+            .iter()
+            .map(|course| Missed {
+                v_x_m_per_s: course.v_x_m_per_s,
+                false_alarm: course.faults[0].false_alarm,
+            })
+            .collect();
+        let sees = |spec: &Spec, configuration: &Configuration| {
+            Ok(Test::new(spec, configuration)?.sees_the_smallest(configuration))
+        };
         let largest = |most: f64, course: &CourseSight| Some(most.max(course.seen_from_deg?));
         Some(Blindness {
             seen_from_deg: judged().try_fold(0.0, largest),
-            hidden_by: hidden_by(spec, configuration, threshold, &missed)?,
+            hidden_by: hidden_by(spec, configuration, threshold, &missed_at, sees)?,
         })
     };
     Ok(Some(Sight {

@@ -208,6 +208,10 @@ fn connections(xml: &mut Xml) -> io::Result<()> {
     }
     for input in DETECTOR_TABLE.iter().filter(with(Causality::Input)) {
         let start = is_output_of_plant(input.name).then_some(PLANT);
+        // What the plant has not is left open, and keeps its start value.
+        if start.is_none() && !PLANT_TABLE.iter().any(|row| row.name == input.name) {
+            continue;
+        }
         connection(xml, start, Some(DETECTOR), input.name)?;
     }
     for output in DETECTOR_TABLE.iter().filter(with(Causality::Output)) {
