@@ -96,6 +96,7 @@ alarm_hold_s = 0.5
 [evaluation.calibration]
 speeds = 3
 manoeuvres = ["straight", "weave"]
+lateral_acceleration_m_per_s2 = [0.2, 0.4]
 duration_s = 4.0
 """
 

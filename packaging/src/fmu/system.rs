@@ -77,6 +77,12 @@ fn is_output_of_plant(name: &str) -> bool {
     PLANT_TABLE.iter().filter(with(Causality::Output)).any(|variable| variable.name == name)
 }
 
+/// Whether the plant has a variable of the name: an input that it has not, such as a switch, is left out of
+/// the system and keeps its start value.
+fn is_known_to_plant(input: &Variable) -> bool {
+    PLANT_TABLE.iter().any(|variable| variable.name == input.name)
+}
+
 /// A parameter or start value, by its name in the system.
 struct Parameter {
     name: String,
@@ -175,7 +181,8 @@ fn component(
         ("implementation", "CoSimulation"),
     ];
     element(xml, "ssd:Component", &attributes, |xml| {
-        let inputs = table.iter().filter(with(Causality::Input));
+        let inputs =
+            table.iter().filter(with(Causality::Input)).filter(|row| is_known_to_plant(row));
         connectors(xml, inputs.chain(table.iter().filter(with(Causality::Output))))
     })
 }
@@ -207,11 +214,10 @@ fn connections(xml: &mut Xml) -> io::Result<()> {
         connection(xml, None, Some(PLANT), input.name)?;
     }
     for input in DETECTOR_TABLE.iter().filter(with(Causality::Input)) {
-        let start = is_output_of_plant(input.name).then_some(PLANT);
-        // What the plant has not is left open, and keeps its start value.
-        if start.is_none() && !PLANT_TABLE.iter().any(|row| row.name == input.name) {
+        if !is_known_to_plant(input) {
             continue;
         }
+        let start = is_output_of_plant(input.name).then_some(PLANT);
         connection(xml, start, Some(DETECTOR), input.name)?;
     }
     for output in DETECTOR_TABLE.iter().filter(with(Causality::Output)) {
