@@ -1,11 +1,9 @@
 //! The description of one drive: a pure function of settings, design and index.
 
 use steerguard_detector::{Actuator, Vehicle};
-use steerguard_world::{
-    CALM_S, Course, Fault, FaultKind, GUST_S, Gusts, Manoeuvre, Plan, Steering, Stream, Tyres, Wind,
-};
+use steerguard_world::{CALM_S, Course, Fault, GUST_S, Gusts, Plan, Steering, Stream, Tyres, Wind};
 
-use super::names::{FaultName, ManoeuvreName};
+use super::names::{FaultName, FaultNumbers, ManoeuvreName, ManoeuvreNumbers};
 use super::settings::{FaultMix, Mix, Settings, Subject};
 use crate::drive::scenario::SensorNoise;
 
@@ -225,32 +223,22 @@ fn plan(draw: Draw, settings: &Settings, subject: &Subject) -> Plan {
         (Mix::Classic, [classic @ .., _]) => classic,
     };
     let name = draw.0.choose(Quantity::Manoeuvre as u64, driven);
-    let manoeuvre = match name.unwrap_or(ManoeuvreName::Straight) {
-        ManoeuvreName::Straight => Manoeuvre::Straight,
-        ManoeuvreName::Sine => Manoeuvre::Sine,
-        ManoeuvreName::Weave => Manoeuvre::Weave,
-        ManoeuvreName::StepSteer => Manoeuvre::StepSteer,
-        ManoeuvreName::LaneChange => Manoeuvre::LaneChange,
-        ManoeuvreName::SteadyTurn => Manoeuvre::SteadyTurn,
-        ManoeuvreName::DoubleLaneChange => Manoeuvre::DoubleLaneChange,
-        ManoeuvreName::SineWithDwell => Manoeuvre::SineWithDwell,
-        ManoeuvreName::Roundabout => {
-            let radius_m = draw.uniform(Quantity::Radius, RADIUS_M);
-            // Slow enough for the curve.
-            speed_m_per_s = libm::sqrt(lateral * radius_m).clamp(armed.min, armed.max);
-            Manoeuvre::Roundabout { radius_m }
-        }
-        ManoeuvreName::StopAndGo => Manoeuvre::StopAndGo {
-            lowest_speed_m_per_s: draw.uniform(Quantity::LowestSpeed, [0.0, armed.min]),
-            longitudinal_acceleration_m_per_s2: draw
-                .uniform(Quantity::LongitudinalAcceleration, LONGITUDINAL_M_PER_S2),
-        },
-        ManoeuvreName::BrakingInTurn => Manoeuvre::BrakingInTurn {
-            lowest_speed_m_per_s: draw.uniform(Quantity::LowestSpeed, [armed.min, speed_m_per_s]),
-            longitudinal_acceleration_m_per_s2: draw
-                .uniform(Quantity::LongitudinalAcceleration, IN_TURN_M_PER_S2),
-        },
+    let name = name.unwrap_or(ManoeuvreName::Straight);
+    let (lowest, braking) = match name {
+        ManoeuvreName::BrakingInTurn => ([armed.min, speed_m_per_s], IN_TURN_M_PER_S2),
+        _ => ([0.0, armed.min], LONGITUDINAL_M_PER_S2),
     };
+    let radius_m = draw.uniform(Quantity::Radius, RADIUS_M);
+    if name == ManoeuvreName::Roundabout {
+        // Slow enough for the curve.
+        speed_m_per_s = libm::sqrt(lateral * radius_m).clamp(armed.min, armed.max);
+    }
+    let manoeuvre = name.with(ManoeuvreNumbers {
+        radius_m,
+        lowest_speed_m_per_s: draw.uniform(Quantity::LowestSpeed, lowest),
+        longitudinal_acceleration_m_per_s2: draw
+            .uniform(Quantity::LongitudinalAcceleration, braking),
+    });
     Plan {
         manoeuvre,
         speed_m_per_s,
@@ -301,33 +289,22 @@ fn fault(draw: Draw, settings: &Settings) -> Option<Fault> {
     };
     let is_large = draw.uniform(Quantity::Large, [0.0, 1.0]) < LARGE;
     let sizes_deg = settings.large_fault_deg.filter(|_| is_large).unwrap_or(settings.fault_deg);
-    let angle_rad = (draw.uniform(Quantity::FaultSize, sizes_deg) * draw.sign(Quantity::FaultSign))
-        .to_radians();
-    let kind = match name {
-        FaultName::None => return None,
-        FaultName::Bias => FaultKind::Bias { angle_rad },
-        FaultName::Drift => {
-            FaultKind::Drift { angle_rad, rise_s: draw.uniform(Quantity::FaultRise, RISE_S) }
-        }
-        FaultName::Stuck => FaultKind::Stuck,
-        FaultName::LossOfEffectiveness => {
-            FaultKind::LossOfEffectiveness { lost: draw.uniform(Quantity::FaultLoss, LOSS) }
-        }
-        FaultName::Oscillation => FaultKind::Oscillation {
-            angle_rad,
-            hz: draw.uniform(Quantity::FaultFrequency, OSCILLATION_HZ),
-        },
-        FaultName::Delay => {
-            FaultKind::Delay { delay_s: draw.uniform(Quantity::FaultDelay, DELAY_S) }
-        }
+    let numbers = FaultNumbers {
+        angle_rad: (draw.uniform(Quantity::FaultSize, sizes_deg) * draw.sign(Quantity::FaultSign))
+            .to_radians(),
+        rise_s: draw.uniform(Quantity::FaultRise, RISE_S),
+        hz: draw.uniform(Quantity::FaultFrequency, OSCILLATION_HZ),
+        lost: draw.uniform(Quantity::FaultLoss, LOSS),
+        delay_s: draw.uniform(Quantity::FaultDelay, DELAY_S),
     };
     let onset = ONSET.map(|share| share * settings.duration_s);
-    Some(Fault { onset_s: draw.uniform(Quantity::Onset, onset), kind })
+    name.with(draw.uniform(Quantity::Onset, onset), numbers)
 }
 
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use steerguard_world::{FaultKind, Manoeuvre};
 
     use super::*;
     use crate::campaign::settings::Uncertainty;

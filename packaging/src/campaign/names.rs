@@ -32,7 +32,42 @@ named! {
     }
 }
 
+/// Numbers that only some manoeuvres have.
+#[derive(Clone, Copy, Debug)]
+pub struct ManoeuvreNumbers {
+    /// Of a roundabout.
+    pub radius_m: f64,
+    /// Of what brakes.
+    pub lowest_speed_m_per_s: f64,
+    /// Of what brakes.
+    pub longitudinal_acceleration_m_per_s2: f64,
+}
+
 impl ManoeuvreName {
+    /// The manoeuvre, with those of the numbers that it has.
+    pub const fn with(self, numbers: ManoeuvreNumbers) -> Manoeuvre {
+        let ManoeuvreNumbers { radius_m, lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2 } =
+            numbers;
+        match self {
+            Self::Straight => Manoeuvre::Straight,
+            Self::Sine => Manoeuvre::Sine,
+            Self::Weave => Manoeuvre::Weave,
+            Self::StepSteer => Manoeuvre::StepSteer,
+            Self::LaneChange => Manoeuvre::LaneChange,
+            Self::SteadyTurn => Manoeuvre::SteadyTurn,
+            Self::DoubleLaneChange => Manoeuvre::DoubleLaneChange,
+            Self::SineWithDwell => Manoeuvre::SineWithDwell,
+            Self::Roundabout => Manoeuvre::Roundabout { radius_m },
+            Self::StopAndGo => {
+                Manoeuvre::StopAndGo { lowest_speed_m_per_s, longitudinal_acceleration_m_per_s2 }
+            }
+            Self::BrakingInTurn => Manoeuvre::BrakingInTurn {
+                lowest_speed_m_per_s,
+                longitudinal_acceleration_m_per_s2,
+            },
+        }
+    }
+
     /// The name of `manoeuvre`.
     pub const fn of(manoeuvre: &Manoeuvre) -> Self {
         match manoeuvre {
@@ -71,7 +106,37 @@ named! {
     }
 }
 
+/// Numbers that only some faults have.
+#[derive(Clone, Copy, Debug)]
+pub struct FaultNumbers {
+    /// Of a bias, drift or oscillation.
+    pub angle_rad: f64,
+    /// Of a drift.
+    pub rise_s: f64,
+    /// Of an oscillation.
+    pub hz: f64,
+    /// Of a loss of effectiveness, 0 to 1.
+    pub lost: f64,
+    /// Of a delay.
+    pub delay_s: f64,
+}
+
 impl FaultName {
+    /// The fault, with those of the numbers that it has.
+    pub const fn with(self, onset_s: f64, numbers: FaultNumbers) -> Option<Fault> {
+        let FaultNumbers { angle_rad, rise_s, hz, lost, delay_s } = numbers;
+        let kind = match self {
+            Self::None => return None,
+            Self::Bias => FaultKind::Bias { angle_rad },
+            Self::Drift => FaultKind::Drift { angle_rad, rise_s },
+            Self::Stuck => FaultKind::Stuck,
+            Self::LossOfEffectiveness => FaultKind::LossOfEffectiveness { lost },
+            Self::Oscillation => FaultKind::Oscillation { angle_rad, hz },
+            Self::Delay => FaultKind::Delay { delay_s },
+        };
+        Some(Fault { onset_s, kind })
+    }
+
     /// The name of `fault`.
     pub const fn of(fault: Option<&Fault>) -> Self {
         let Some(fault) = fault else { return Self::None };

@@ -8,9 +8,9 @@
 use serde::{Deserialize, Serialize};
 use steerguard_designer::document::{Allowed, Mistake, Mistakes};
 use steerguard_detector::Vehicle;
-use steerguard_world::{Course, Fault, FaultKind, Manoeuvre, Plan};
+use steerguard_world::{Course, Fault, Manoeuvre, Plan};
 
-use crate::campaign::names::{FaultName, ManoeuvreName};
+use crate::campaign::names::{FaultName, FaultNumbers, ManoeuvreName, ManoeuvreNumbers};
 
 /// Lateral accelerations of a manoeuvre to either side, m/s^2: none would be no manoeuvre.
 const LATERAL_M_PER_S2: [f64; 2] = [0.01, 20.0];
@@ -63,31 +63,13 @@ fn fastest_steering() -> f64 {
 impl ManoeuvreTable {
     /// The manoeuvre of its kind, with the defaults of what is left out.
     pub fn manoeuvre(&self) -> Manoeuvre {
-        match self.kind {
-            ManoeuvreName::Straight => Manoeuvre::Straight,
-            ManoeuvreName::Sine => Manoeuvre::Sine,
-            ManoeuvreName::Weave => Manoeuvre::Weave,
-            ManoeuvreName::StepSteer => Manoeuvre::StepSteer,
-            ManoeuvreName::LaneChange => Manoeuvre::LaneChange,
-            ManoeuvreName::SteadyTurn => Manoeuvre::SteadyTurn,
-            ManoeuvreName::DoubleLaneChange => Manoeuvre::DoubleLaneChange,
-            ManoeuvreName::SineWithDwell => Manoeuvre::SineWithDwell,
-            ManoeuvreName::Roundabout => {
-                Manoeuvre::Roundabout { radius_m: self.radius_m.unwrap_or(20.0) }
-            }
-            ManoeuvreName::StopAndGo => Manoeuvre::StopAndGo {
-                lowest_speed_m_per_s: self.lowest_speed_m_per_s.unwrap_or(2.0),
-                longitudinal_acceleration_m_per_s2: self
-                    .longitudinal_acceleration_m_per_s2
-                    .unwrap_or(1.5),
-            },
-            ManoeuvreName::BrakingInTurn => Manoeuvre::BrakingInTurn {
-                lowest_speed_m_per_s: self.lowest_speed_m_per_s.unwrap_or(2.0),
-                longitudinal_acceleration_m_per_s2: self
-                    .longitudinal_acceleration_m_per_s2
-                    .unwrap_or(1.5),
-            },
-        }
+        self.kind.with(ManoeuvreNumbers {
+            radius_m: self.radius_m.unwrap_or(20.0),
+            lowest_speed_m_per_s: self.lowest_speed_m_per_s.unwrap_or(2.0),
+            longitudinal_acceleration_m_per_s2: self
+                .longitudinal_acceleration_m_per_s2
+                .unwrap_or(1.5),
+        })
     }
 
     /// The manoeuvre as it is driven at a set speed, m/s.
@@ -179,21 +161,14 @@ fn five() -> f64 {
 impl FaultTable {
     /// The fault of its kind, with the defaults of what is left out.
     pub fn fault(&self) -> Option<Fault> {
-        let angle_rad = self.angle_deg.unwrap_or(0.5).to_radians();
-        let kind = match self.kind {
-            FaultName::None => return None,
-            FaultName::Bias => FaultKind::Bias { angle_rad },
-            FaultName::Drift => FaultKind::Drift { angle_rad, rise_s: self.rise_s.unwrap_or(5.0) },
-            FaultName::Stuck => FaultKind::Stuck,
-            FaultName::LossOfEffectiveness => {
-                FaultKind::LossOfEffectiveness { lost: self.lost_share.unwrap_or(0.5) }
-            }
-            FaultName::Oscillation => {
-                FaultKind::Oscillation { angle_rad, hz: self.frequency_hz.unwrap_or(1.0) }
-            }
-            FaultName::Delay => FaultKind::Delay { delay_s: self.delay_s.unwrap_or(0.2) },
+        let numbers = FaultNumbers {
+            angle_rad: self.angle_deg.unwrap_or(0.5).to_radians(),
+            rise_s: self.rise_s.unwrap_or(5.0),
+            hz: self.frequency_hz.unwrap_or(1.0),
+            lost: self.lost_share.unwrap_or(0.5),
+            delay_s: self.delay_s.unwrap_or(0.2),
         };
-        Some(Fault { onset_s: self.start_s, kind })
+        self.kind.with(self.start_s, numbers)
     }
 
     /// Finds what is not possible.
@@ -250,6 +225,8 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
+    use steerguard_world::FaultKind;
+
     use super::*;
 
     fn read<T: serde::de::DeserializeOwned>(text: &str) -> T {
