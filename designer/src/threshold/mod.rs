@@ -11,8 +11,8 @@ pub mod guaranteed;
 
 use serde::Serialize;
 use steerguard_detector::{
-    Configuration, ConfigurationError, Evaluation, Input, SteadyResponse, VehicleState,
-    steady_response,
+    CAUSES, Cause, Configuration, ConfigurationError, Evaluation, Input, SteadyResponse,
+    VehicleState, steady_response,
 };
 use steerguard_world::steady_angle;
 
@@ -24,23 +24,25 @@ use crate::threshold::calibration::{Level, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
-pub const CAUSES: [&str; steerguard_detector::CAUSES] = [
-    "mass",
-    "yaw inertia",
-    "front stiffness",
-    "rear stiffness",
-    "friction",
-    "load transfer",
-    "bank",
-    "gust",
-    "actuator",
-    "steering ratio",
-    "steering offset",
-    "front stiffness x side force",
-    "rear stiffness x side force",
-    "yaw-rate bias",
-    "speed scale",
-];
+pub fn cause_names() -> [&'static str; CAUSES] {
+    Cause::ALL.map(|cause| match cause {
+        Cause::Mass => "mass",
+        Cause::YawInertia => "yaw inertia",
+        Cause::FrontStiffness => "front stiffness",
+        Cause::RearStiffness => "rear stiffness",
+        Cause::Friction => "friction",
+        Cause::LoadTransfer => "load transfer",
+        Cause::Bank => "bank",
+        Cause::Gust => "gust",
+        Cause::Actuator => "actuator",
+        Cause::SteeringRatio => "steering ratio",
+        Cause::SteeringOffset => "steering offset",
+        Cause::FrontUnderSideForce => "front stiffness x side force",
+        Cause::RearUnderSideForce => "rear stiffness x side force",
+        Cause::YawRateBias => "yaw-rate bias",
+        Cause::SpeedScale => "speed scale",
+    })
+}
 
 /// Why there is no threshold.
 #[derive(Debug, thiserror::Error)]
@@ -178,8 +180,8 @@ pub struct SteadyThreshold {
     pub lateral_acceleration_m_per_s2: f64,
     /// Noise, disturbances and what else a fault-free drive of the specified vehicle shows.
     pub level: f64,
-    /// Each cause, in the order of [`CAUSES`].
-    pub uncertainties: [f64; steerguard_detector::CAUSES],
+    /// Each cause, in the order of [`cause_names`].
+    pub uncertainties: [f64; CAUSES],
     /// The sum: J_th.
     pub j_th: f64,
     /// The J that the smallest fault of interest makes alone.

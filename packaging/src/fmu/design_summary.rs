@@ -4,7 +4,7 @@ use serde::Serialize;
 use steerguard_designer::sight::Sight;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::calibration::Level;
-use steerguard_designer::threshold::{CAUSES, SteadyThreshold, by_cause};
+use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
@@ -279,9 +279,10 @@ fn surely_largest(level: &Level) -> String {
 /// them, J_th and the J of the smallest fault, J in thousandths.
 pub fn cause_rows(points: &[SteadyThreshold]) -> Vec<Vec<String>> {
     let raises = |k: usize| points.iter().any(|point| point.uncertainties[k] > 0.0);
-    let causes: Vec<usize> = (0..CAUSES.len()).filter(|&k| raises(k)).collect();
+    let names = cause_names();
+    let causes: Vec<usize> = (0..names.len()).filter(|&k| raises(k)).collect();
     let head = ["v_x m/s", "a_y m/s^2", "level"].into_iter();
-    let head = head.chain(causes.iter().map(|&k| CAUSES[k])).chain(["J_th", "smallest fault"]);
+    let head = head.chain(causes.iter().map(|&k| names[k])).chain(["J_th", "smallest fault"]);
     let rows = points.iter().map(|point| {
         let speed = [point.v_x_m_per_s, point.lateral_acceleration_m_per_s2];
         let levels = std::iter::once(point.level)
