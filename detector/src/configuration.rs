@@ -138,12 +138,12 @@ impl Configuration {
 
 /// Whether `x` is positive and finite.
 #[inline(never)]
-fn positive(x: f64) -> bool {
+pub(crate) fn positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
 /// Whether `x` is finite and not negative.
 #[inline(never)]
-fn not_negative(x: f64) -> bool {
+pub(crate) fn not_negative(x: f64) -> bool {
     x >= 0.0 && x.is_finite()
 }

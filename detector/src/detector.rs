@@ -1,6 +1,7 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
 use crate::algebra::all_finite;
+use crate::configuration::{not_negative, positive};
 use crate::deviation::Standing;
 use crate::reference::References;
 use crate::{
@@ -143,6 +144,14 @@ pub struct State {
     pub output: Output,
 }
 
+impl State {
+    /// The observer no longer runs, and so raises no alarms.
+    const fn stop_observer(&mut self) {
+        self.tracking = false;
+        self.armed = false;
+    }
+}
+
 /// Why a state is refused: no detector of the configuration can have had it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateError;
@@ -244,7 +253,7 @@ impl Detector {
     /// # Errors
     /// [`ConfigurationError`] where it is not finite or not positive.
     pub fn set_threshold_factor(&mut self, factor: f64) -> Result<(), ConfigurationError> {
-        if !(factor > 0.0 && factor.is_finite()) {
+        if !positive(factor) {
             return Err(ConfigurationError { field: "threshold factor" });
         }
         self.threshold_factor = factor;
@@ -281,7 +290,7 @@ impl Detector {
     /// # Errors
     /// [`ConfigurationError`] where it is negative or not finite.
     pub fn set_alarm_hold_s(&mut self, hold_s: f64) -> Result<(), ConfigurationError> {
-        if !(hold_s >= 0.0 && hold_s.is_finite()) {
+        if !not_negative(hold_s) {
             return Err(ConfigurationError { field: "alarm hold" });
         }
         self.alarm_hold_s = hold_s;
@@ -325,7 +334,7 @@ impl Detector {
     /// # Errors
     /// [`ConfigurationError`] where it is negative or not finite.
     pub fn set_stale_after_s(&mut self, after_s: f64) -> Result<(), ConfigurationError> {
-        if !(after_s >= 0.0 && after_s.is_finite()) {
+        if !not_negative(after_s) {
             return Err(ConfigurationError { field: "time until data are stale" });
         }
         self.staleness.after_s = after_s;
@@ -428,8 +437,7 @@ impl Detector {
         if let Some(signal) = invalid {
             // Time passes unseen: z and motions are void, the last results stand.
             let state = &mut self.state;
-            state.tracking = false;
-            state.armed = false;
+            state.stop_observer();
             state.followed = 0;
             state.unchanged = 0;
             state.output.monitor = Monitor::InvalidInput;
@@ -464,10 +472,11 @@ impl Detector {
     /// goes on in any case.
     fn steer(&mut self, shown: f64) -> [f64; 2] {
         let State { actuator, slowest_actuator, .. } = &mut self.state;
-        let limit = Signal::SteeringAngle.limit();
-        let valid = -limit <= shown && shown <= limit;
-        let command =
-            if valid { Some(shown - self.zero.steering_offset_rad) } else { actuator.command };
+        let command = if Signal::SteeringAngle.admits(shown) {
+            Some(shown - self.zero.steering_offset_rad)
+        } else {
+            actuator.command
+        };
         let Some(command) = command else {
             return [0.0; 2];
         };
@@ -494,9 +503,9 @@ impl Detector {
         if same {
             state.unchanged = state.unchanged.saturating_add(1);
         } else {
-            if stale(state.unchanged) && self.staleness.jumps(state.last, y) {
-                state.tracking = false;
-                state.armed = false;
+            let jumps = || self.staleness.jumps(state.last, y).iter().any(Option::is_some);
+            if stale(state.unchanged) && jumps() {
+                state.stop_observer();
                 state.followed = 0;
             }
             state.unchanged = 0;
@@ -531,8 +540,7 @@ impl Detector {
             range.v_x.contains(y.v_x_m_per_s) && range.r.contains(y.r_rad_per_s)
         };
         if !inside(&self.observer.model.range) {
-            self.state.tracking = false;
-            self.state.armed = false;
+            self.state.stop_observer();
         } else if !self.state.armed && inside(&self.armed_range) {
             let v_y_may_arm = self.armed_range.v_y.contains(self.state.output.v_y_hat);
             if !self.state.tracking || v_y_may_arm {
@@ -561,8 +569,7 @@ impl Detector {
         let x_hat = self.observer.estimate(state.z, y);
         if !plausible(&x_hat) {
             // phi grows with the square of the estimate: nothing leads back from here.
-            state.tracking = false;
-            state.armed = false;
+            state.stop_observer();
             return;
         }
         let h = self.observer.membership(y);
@@ -606,8 +613,7 @@ impl Detector {
     /// The results while switched off.
     fn rest(&mut self) {
         let state = &mut self.state;
-        state.tracking = false;
-        state.armed = false;
+        state.stop_observer();
         state.exceedances = 0;
         state.clear = 0;
         state.output = Output {

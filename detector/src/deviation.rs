@@ -227,8 +227,15 @@ impl Uncertainty {
         ]
     }
 
-    /// What each cause that acts along a motion adds to x', at `x` of that motion.
-    fn along(&self, vehicle: &Vehicle, x: VehicleState, u: Input) -> [StateVector; ALONG] {
+    /// What each cause that acts along a motion adds to x', at `x` of that motion, under static axle loads in
+    /// N.
+    fn along(
+        &self,
+        vehicle: &Vehicle,
+        [front_load, rear_load]: [f64; 2],
+        x: VehicleState,
+        u: Input,
+    ) -> [StateVector; ALONG] {
         let [v_x, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
@@ -237,7 +244,6 @@ impl Uncertainty {
         let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
             / vehicle.effective_longitudinal_inertia_kg_m;
         let saturated = self.friction.map_or([0.0; 3], |friction| {
-            let [front_load, rear_load] = vehicle.axle_loads_n(0.0);
             let missing = |force: f64, load: f64| -force * deficit(force / (friction * load));
             self.of_forces(vehicle, missing(front, front_load), missing(rear, rear_load))
         });
@@ -335,6 +341,10 @@ pub(crate) struct Standing {
     motions: usize,
     /// Whether axle load is transferred.
     transfers: bool,
+    /// Whether something asks for the model's Jacobian.
+    curves: bool,
+    /// Static loads of the axles, N.
+    axle_loads_n: [f64; 2],
 }
 
 impl Standing {
@@ -353,6 +363,9 @@ impl Standing {
             along: acting.iter().take(ALONG).any(|&acts| acts),
             motions,
             transfers: vehicle.centre_of_gravity_height_m > 0.0,
+            curves: deviations.euler_correction
+                || acting.iter().skip(ALONG + COMMON).any(|&acts| acts),
+            axle_loads_n: vehicle.axle_loads_n(0.0),
         }
     }
 
@@ -478,7 +491,7 @@ impl Responses {
         let Place { x, u, a_x_m_per_s2, .. } = *place;
         let vehicle = &observer.model.vehicle;
         let t = observer.model.sampling_period_s;
-        let jacobian = vehicle.jacobian(x);
+        let jacobian = if standing.curves { vehicle.jacobian(x) } else { [[0.0; 3]; 3] };
         // M (I + T_s J / 2): what a slope that acts over the period leaves in the error.
         let held =
             if deviations.euler_correction { observer.held(&jacobian) } else { observer.gains.m };
@@ -506,7 +519,8 @@ impl Responses {
         if standing.along {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
             for (responses, motion) in motions {
-                let slopes = uncertainty.along(vehicle, motion.at(x.v_x_m_per_s), u);
+                let x = motion.at(x.v_x_m_per_s);
+                let slopes = uncertainty.along(vehicle, standing.axle_loads_n, x, u);
                 for ((e, slope), acts) in responses.iter_mut().zip(slopes).zip(standing.acting(0)) {
                     if *acts {
                         *e = respond(*e, slope);

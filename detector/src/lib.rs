@@ -45,7 +45,7 @@ pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};
 pub use reference::{MOTIONS, ReferenceMotion};
-pub use sensors::{Signal, Staleness, Zero};
+pub use sensors::{Jump, Signal, Staleness, Zero};
 pub use signals::{Input, Measurement, StateVector, VehicleState};
 pub use steady::{SteadyResponse, steady_response};
 pub use ts_model::{C, RULES, TsModel};

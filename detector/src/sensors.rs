@@ -28,15 +28,29 @@ pub struct Staleness {
     pub r_jump_rad_per_s: f64,
 }
 
+/// A change of a measured signal that no vehicle makes in a sample, in the signal's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// Magnitude of the change.
+    pub change: f64,
+    /// The most that a vehicle and the sensor's noise allow.
+    pub most: f64,
+}
+
 impl Staleness {
     /// Nothing is ever stale.
     pub const NEVER: Self = Self { after_s: 0.0, v_x_jump_m_per_s: 0.0, r_jump_rad_per_s: 0.0 };
 
-    /// Whether no vehicle goes from one measurement to the next in a sample.
-    pub(crate) fn jumps(&self, from: Measurement, to: Measurement) -> bool {
-        let apart = |a: f64, b: f64| (a - b).max(b - a);
-        apart(from.v_x_m_per_s, to.v_x_m_per_s) > self.v_x_jump_m_per_s
-            || apart(from.r_rad_per_s, to.r_rad_per_s) > self.r_jump_rad_per_s
+    /// The jumps of `[v_x, r]` from one measurement to the next; none where a vehicle may get there.
+    pub fn jumps(&self, from: Measurement, to: Measurement) -> [Option<Jump>; 2] {
+        let jump = |from: f64, to: f64, most: f64| {
+            let change = (from - to).max(to - from);
+            (change > most).then_some(Jump { change, most })
+        };
+        [
+            jump(from.v_x_m_per_s, to.v_x_m_per_s, self.v_x_jump_m_per_s),
+            jump(from.r_rad_per_s, to.r_rad_per_s, self.r_jump_rad_per_s),
+        ]
     }
 }
 
@@ -67,12 +81,15 @@ impl Signal {
         }
     }
 
+    /// Whether a value is valid; NaN lies in no interval.
+    pub(crate) fn admits(self, value: f64) -> bool {
+        -self.limit() <= value && value <= self.limit()
+    }
+
     /// The first that is not finite or beyond its limit.
     pub(crate) fn invalid(y: Measurement, u: Input) -> Option<Self> {
         let values = [y.v_x_m_per_s, y.r_rad_per_s, u.t_eng_n_m, u.delta_rad];
-        // A value that is no number lies in no interval.
-        let valid =
-            |(signal, value): &(Self, f64)| -signal.limit() <= *value && *value <= signal.limit();
-        Self::ALL.into_iter().zip(values).find(|x| !valid(x)).map(|(signal, _)| signal)
+        let mut signals = Self::ALL.into_iter().zip(values);
+        signals.find(|(signal, value)| !signal.admits(*value)).map(|(signal, _)| signal)
     }
 }

@@ -3,8 +3,9 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    ActuatorState, AlarmCause, ConfigurationError, Detector, Initialisation, Input, Measurement,
-    Monitor, Output, ReferenceMotion, Responses, Rms, Signal, State, StateCause, StateVector, Zero,
+    ActuatorState, AlarmCause, ConfigurationError, Detector, Initialisation, Input, Jump,
+    Measurement, Monitor, Output, ReferenceMotion, Responses, Rms, Signal, State, StateCause,
+    StateVector, Zero,
 };
 use steerguard_fmu_core::{Archive, Log, Model, Status, Text};
 use steerguard_model_description::detector::{
@@ -35,6 +36,27 @@ pub struct DetectorModel {
     jump_reported: bool,
 }
 
+/// What of a sample's results the log tells when it changes.
+#[derive(Clone, Copy, PartialEq)]
+struct Shown {
+    monitor: Monitor,
+    state_cause: StateCause,
+    alarm: bool,
+}
+
+impl Shown {
+    const fn of(output: &Output) -> Self {
+        let Output { monitor, state_cause, alarm, .. } = *output;
+        Self { monitor, state_cause, alarm }
+    }
+}
+
+/// The Real that `value` sets in place of `current`.
+fn set_to(value: Value<'_>, mut current: f64) -> f64 {
+    value.store_real(&mut current);
+    current
+}
+
 impl DetectorModel {
     fn output(&self) -> &Output {
         self.detector.output()
@@ -54,7 +76,7 @@ impl DetectorModel {
 
     /// Reports what the sample just run has changed.
     #[cold]
-    fn report(&self, before: &Output, log: &Log<'_>) -> Status {
+    fn report(&self, before: Shown, log: &Log<'_>) -> Status {
         let output = self.output();
         let time_s = self.time_s(self.detector.state().sample.saturating_sub(1));
         if output.alarm != before.alarm {
@@ -70,7 +92,7 @@ impl DetectorModel {
                 }
             });
         }
-        if output.monitor == before.monitor && output.state_cause == before.state_cause {
+        if (output.monitor, output.state_cause) == (before.monitor, before.state_cause) {
             return Status::Ok;
         }
         match output.monitor {
@@ -100,28 +122,16 @@ impl DetectorModel {
         Status::Ok
     }
 
-    /// Reports, once, a measurement that no vehicle reaches from the `last` within a sample: a wrong unit or
-    /// a broken signal.
-    #[inline(never)]
-    fn report_jump(&mut self, last: Measurement, log: &Log<'_>) {
-        let staleness = &self.design.configuration.staleness;
-        let now = self.detector.state().last;
-        let signals = [
-            ("v_x", now.v_x_m_per_s - last.v_x_m_per_s, staleness.v_x_jump_m_per_s, " m/s", "km/h"),
-            (
-                "r",
-                now.r_rad_per_s - last.r_rad_per_s,
-                staleness.r_jump_rad_per_s,
-                " rad/s",
-                "deg/s",
-            ),
-        ];
-        let jumps = |change: f64, most: f64| most > 0.0 && (change > most || change < -most);
-        for (name, change, most, unit, other_unit) in signals {
-            if jumps(change, most) {
+    /// Reports measurements that no vehicle reaches from the last within a sample: a wrong unit or a broken
+    /// signal.
+    #[cold]
+    fn report_jumps(&mut self, jumps: [Option<Jump>; 2], log: &Log<'_>) {
+        let signals = [("v_x", " m/s", "km/h"), ("r", " rad/s", "deg/s")];
+        for (jump, (name, unit, other_unit)) in jumps.into_iter().zip(signals) {
+            // A most of 0 is that of a detector whose data are never stale.
+            if let Some(Jump { change, most }) = jump.filter(|jump| jump.most > 0.0) {
                 self.jump_reported = true;
                 let time_s = self.time_s(self.detector.state().sample.saturating_sub(1));
-                let change = change.max(-change);
                 log.event(|text| {
                     text.str(name).str(" changes by ").rounded(change).str(unit);
                     text.str(" within a sample at ").real(time_s).str(" s, ");
@@ -309,8 +319,7 @@ impl Model for DetectorModel {
 
             // The limits of these are the detector's: it refuses nothing that the layer lets through.
             V::ThresholdFactor => {
-                let mut factor = self.detector.threshold_factor();
-                value.store_real(&mut factor);
+                let factor = set_to(value, self.detector.threshold_factor());
                 let _ = self.detector.set_threshold_factor(factor);
             }
             V::DebounceSamples => {
@@ -319,8 +328,7 @@ impl Model for DetectorModel {
                 let _ = self.detector.set_debounce_samples(samples.unsigned_abs());
             }
             V::AlarmHold => {
-                let mut hold_s = self.detector.alarm_hold_s();
-                value.store_real(&mut hold_s);
+                let hold_s = set_to(value, self.detector.alarm_hold_s());
                 let _ = self.detector.set_alarm_hold_s(hold_s);
             }
             V::SteeringOffset => {
@@ -334,8 +342,7 @@ impl Model for DetectorModel {
                 let _ = self.detector.set_zero(zero);
             }
             V::StaleAfter => {
-                let mut after_s = self.detector.stale_after_s();
-                value.store_real(&mut after_s);
+                let after_s = set_to(value, self.detector.stale_after_s());
                 let _ = self.detector.set_stale_after_s(after_s);
             }
             V::Initialisation => value.store_integer(&mut self.initialisation),
@@ -402,23 +409,19 @@ impl Model for DetectorModel {
     }
 
     fn sample(&mut self, log: &Log<'_>) -> Status {
-        let before = *self.output();
+        let before = Shown::of(self.output());
         let last = self.detector.state().last;
-        let after = self.detector.sample(self.measurement, self.input);
+        let after = Shown::of(self.detector.sample(self.measurement, self.input));
         let both_valid = !matches!(before.monitor, Monitor::Starting | Monitor::InvalidInput)
             && after.monitor != Monitor::InvalidInput;
         if both_valid && !self.jump_reported {
-            self.report_jump(last, log);
+            let staleness = &self.design.configuration.staleness;
+            let jumps = staleness.jumps(last, self.detector.state().last);
+            if jumps != [None; 2] {
+                self.report_jumps(jumps, log);
+            }
         }
-        let after = self.output();
-        if after.monitor == before.monitor
-            && after.state_cause == before.state_cause
-            && after.alarm == before.alarm
-        {
-            Status::Ok
-        } else {
-            self.report(&before, log)
-        }
+        if after == before { Status::Ok } else { self.report(before, log) }
     }
 
     fn archive(&mut self, archive: &mut Archive<'_>) {
