@@ -12,7 +12,7 @@
 //! - A signal's transfer matrix is that to the weighted residual W_r r, whose norm J averages.
 //! - The operating points are a grid over S_x, its corners included.
 
-use nalgebra::{Complex, Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2, Vector3};
+use nalgebra::{Complex, Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Schur, Vector2, Vector3};
 use steerguard_detector::{C, Gains, Interval, RULES, TsModel, VehicleState};
 
 use crate::lmi::matrix::Matrix;
@@ -23,6 +23,9 @@ use crate::synthesis::theorem4::g_rho;
 const SPEEDS: u32 = 6;
 const YAW_RATES: u32 = 3;
 const LATERAL_SPEEDS: u32 = 3;
+
+/// QR iterations of an eigenvalue problem of order three, which takes some ten.
+const QR_ITERATIONS: usize = 1000;
 
 /// What the model is at an operating point.
 #[derive(Clone, Copy, Debug)]
@@ -203,9 +206,16 @@ pub(crate) fn extreme_gains(columns: impl Iterator<Item = Vector2<Complex<f64>>>
     }
 }
 
-/// Largest magnitude of an eigenvalue.
+/// Largest magnitude of an eigenvalue; infinite where none were found.
 pub fn spectral_radius(x: &Matrix3<f64>) -> f64 {
-    x.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
+    eigenvalues(x).map_or(f64::INFINITY, |z| z.iter().map(|z| z.norm()).fold(0.0, f64::max))
+}
+
+/// Eigenvalues; none of what is not finite, or where the QR iterations do not end.
+pub(crate) fn eigenvalues(x: &Matrix3<f64>) -> Option<Vector3<Complex<f64>>> {
+    let finite = x.iter().all(|x| x.is_finite());
+    let schur = finite.then(|| Schur::try_new(*x, f64::EPSILON, QR_ITERATIONS)).flatten()?;
+    Some(schur.complex_eigenvalues())
 }
 
 /// A 3 x 3 matrix, its size known.
@@ -216,4 +226,18 @@ pub(crate) fn square(x: &Matrix) -> Matrix3<f64> {
 /// A matrix of rows, its size known.
 pub(crate) fn fixed<const R: usize, const K: usize>(rows: &[[f64; K]; R]) -> SMatrix<f64, R, K> {
     SMatrix::from_fn(|row, column| rows[row][column])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalues_end_whatever_the_matrix() {
+        let rotation = Matrix3::new(0.0, -2.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+        assert!((spectral_radius(&rotation) - 2.0).abs() < 1e-12);
+        for x in [f64::NAN, f64::INFINITY] {
+            assert_eq!(spectral_radius(&Matrix3::from_element(x)), f64::INFINITY);
+        }
+    }
 }

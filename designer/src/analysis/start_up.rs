@@ -29,6 +29,8 @@ use crate::synthesis::theorem4::for_all;
 const DECAY_RATES: u32 = 12;
 /// Margin of the inequalities, in units of the larger weight squared.
 const MARGIN: f64 = 1e-7;
+/// Units of e_2 tried, in those that balance the dynamics.
+const UNITS: [f64; 5] = [1.0, 0.125, 8.0, 0.015625, 64.0];
 /// Makes up for the rounding of the amplitude.
 const ROUNDED_UP: f64 = 1.0 + 16.0 * f64::EPSILON;
 /// Longest start-up considered, samples.
@@ -60,7 +62,12 @@ pub fn bound(
     let radius = dynamics.iter().flatten().map(|n| spectral_radius(&square(n))).fold(0.0, f64::max);
     let rates = (1..=DECAY_RATES)
         .map(|step| radius + (slowest - radius) * f64::from(step) / f64::from(DECAY_RATES));
-    let bounds = rates.filter_map(|decay| bound_at(dynamics, decay, evaluation.weights, v_y));
+    // Where the balanced unit has no bound that passes its check, another may.
+    let s = balance(dynamics);
+    let bounds = rates.filter_map(|decay| {
+        let at = |factor: f64| bound_at(dynamics, decay, evaluation.weights, v_y, factor * s);
+        UNITS.into_iter().find_map(at)
+    });
     bounds.min_by_key(|bound| samples_until(negligible, bound, evaluation))
 }
 
@@ -84,14 +91,14 @@ fn samples_until(negligible: f64, bound: &StartUpBound, evaluation: &Evaluation)
     last_above
 }
 
-/// The smallest bound for one decay rate.
+/// The smallest bound for one decay rate, found with e_2 in units of s.
 fn bound_at(
     dynamics: &ErrorDynamics,
     decay: f64,
     weights: [f64; 2],
     v_y: f64,
+    s: f64,
 ) -> Option<StartUpBound> {
-    let s = balance(dynamics);
     let dynamics = &scaled(dynamics, s);
     let unit = weights[0].max(weights[1]);
     let w_c = Matrix::from_fn(2, 3, |row, column| weights[row] / unit * matrix(&C)[(row, column)]);

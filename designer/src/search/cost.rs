@@ -21,7 +21,7 @@ use nalgebra::{
 use steerguard_detector::{C, RULES};
 
 use crate::analysis::frequency::discrete_lyapunov;
-use crate::analysis::operating_point::{OperatingPoint, fixed};
+use crate::analysis::operating_point::{OperatingPoint, eigenvalues, fixed};
 use crate::problem::channel::Channel;
 use crate::search::objective::Objective;
 
@@ -364,7 +364,7 @@ impl<'a> Frozen<'a> {
 /// Largest magnitude of an eigenvalue, and its derivative by the matrix: that of the eigenvalue l is
 /// `adj(N - l I)' / tr adj(N - l I)`.
 fn spectral_radius(n: &Matrix3<f64>) -> (f64, Matrix3<f64>) {
-    let eigenvalues = n.complex_eigenvalues();
+    let Some(eigenvalues) = eigenvalues(n) else { return (f64::INFINITY, Matrix3::zeros()) };
     let largest = eigenvalues
         .iter()
         .copied()

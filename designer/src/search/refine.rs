@@ -95,7 +95,8 @@ fn line_search(
     for _ in 0..BISECTIONS {
         let step = direction * length;
         let (next_value, next_slope) = cost.at(&(x + step));
-        if next_value.is_nan() || next_value > value + DECREASE * length * promised {
+        let ends = next_value.is_finite() && next_slope.iter().all(|x| x.is_finite());
+        if !ends || next_value > value + DECREASE * length * promised {
             too_long = length;
         } else {
             lower = Some((step, next_value, next_slope));
