@@ -1,6 +1,6 @@
 //! Specifications as users write them: the paper's file, and every kind of mistake.
 
-#![allow(clippy::expect_used)]
+#![allow(clippy::expect_used, clippy::unwrap_used)]
 
 use steerguard_designer::Spec;
 use steerguard_designer::document::MistakeKind;
@@ -384,6 +384,91 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         lacking.extend(missing.map(|part| format!("{text}\ngave: {message}\nwithout: {part}\n")));
     }
     assert!(lacking.is_empty(), "{}", lacking.join("\n"));
+}
+
+/// Neutral as specified, so that half of the vehicles within the uncertainty oversteer.
+const NEUTRAL: &str = "
+[vehicle]
+front_axle_distance_m = 1.3
+rear_axle_distance_m = 1.3
+front_cornering_stiffness_n_per_rad = 40000
+rear_cornering_stiffness_n_per_rad = 40000
+";
+
+/// The speed at which the linear single-track model with these stiffnesses has a real root at 0, by halving.
+fn speed_of_a_root_at_zero(spec: &Spec, mass: f64, c_f: f64, c_r: f64) -> f64 {
+    let v = &spec.vehicle;
+    let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+    let determinant = |v_x: f64| {
+        let moment = 2.0 * (c_r * l_r - c_f * l_f);
+        let lateral = [-2.0 * (c_f + c_r) / (mass * v_x), moment / (mass * v_x) - v_x];
+        let i_z = v.yaw_inertia_kg_m2;
+        let yaw = [moment / (i_z * v_x), -2.0 * (c_f * l_f * l_f + c_r * l_r * l_r) / (i_z * v_x)];
+        lateral[0] * yaw[1] - lateral[1] * yaw[0]
+    };
+    let (mut stable, mut unstable) = (0.1, 1e4);
+    if determinant(unstable) > 0.0 {
+        return f64::INFINITY;
+    }
+    for _ in 0..100 {
+        let middle = 0.5 * (stable + unstable);
+        if determinant(middle) > 0.0 { stable = middle } else { unstable = middle }
+    }
+    stable
+}
+
+#[test]
+fn the_critical_speed_is_the_lowest_of_all_vehicles_within_the_uncertainty() {
+    let spec = Spec::from_toml(NEUTRAL).unwrap();
+    let ends = |nominal: f64, [min, max]: [f64; 2]| {
+        [nominal * (1.0 + min / 100.0), nominal * (1.0 + max / 100.0)]
+    };
+    let (v, u) = (&spec.vehicle, &spec.uncertainty);
+    let mut lowest = f64::INFINITY;
+    for mass in ends(v.mass_kg, u.mass_percent) {
+        for c_f in ends(v.front_cornering_stiffness_n_per_rad, u.front_cornering_stiffness_percent)
+        {
+            for c_r in
+                ends(v.rear_cornering_stiffness_n_per_rad, u.rear_cornering_stiffness_percent)
+            {
+                lowest = lowest.min(speed_of_a_root_at_zero(&spec, mass, c_f, c_r));
+            }
+        }
+    }
+    let critical = spec.lowest_critical_speed().unwrap();
+    assert!((critical / lowest - 1.0).abs() < 1e-9, "{critical} and {lowest}");
+    assert_eq!(Spec::default().lowest_critical_speed(), None);
+}
+
+#[test]
+fn a_range_beyond_a_critical_speed_is_refused_by_that_name() {
+    let with = |v_x: &str, further: &str| {
+        format!("{NEUTRAL}[operating_range]\nv_x_m_per_s = {v_x}\n{further}")
+    };
+    let message = refusal(&with("[5, 60]", ""));
+    for part in [
+        "`operating_range.v_x_m_per_s` = [5.0, 60.0]",
+        "with mass +10 %, front_cornering_stiffness +10 % and rear_cornering_stiffness -10 %",
+        "critical speed of 35.6 m/s",
+        "lower max",
+    ] {
+        assert!(message.contains(part), "{part} in {message}");
+    }
+    // What is named is possible, the next number is not.
+    assert!(Spec::from_toml(&with("[5, 35.6]", "")).is_ok());
+    refusal(&with("[5, 35.7]", ""));
+    // The less is uncertain, the faster it may be; a vehicle that is known does not oversteer.
+    let known = "[uncertainty]\nmass_percent = [-10, 0]\n\
+                 front_cornering_stiffness_percent = [-10, 0]\n\
+                 rear_cornering_stiffness_percent = [0, 10]\n";
+    assert!(Spec::from_toml(&with("[5, 60]", known)).is_ok());
+    let rear_heavy =
+        with("[5, 60]", "").replace("front_axle_distance_m = 1.3", "front_axle_distance_m = 1.5");
+    let message = refusal(&(rear_heavy + known));
+    assert!(
+        message.contains("the vehicle oversteers") && !message.contains("with mass"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub use deviation::{CAUSES, Cause, Deviations, Gust, Place, Responses, Uncertain
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};
-pub use reference::{MOTIONS, ReferenceMotion};
+pub use reference::{MOTIONS, ReferenceMotion, critical_speed};
 pub use sensors::{Jump, Signal, Staleness, Zero};
 pub use signals::{Input, Measurement, StateVector, VehicleState};
 pub use steady::{SteadyResponse, steady_response};

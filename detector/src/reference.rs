@@ -83,7 +83,12 @@ impl References {
         Self {
             motions: factors.map(|(front, rear)| Coefficients::of(vehicle, front, rear)),
             distinct: if c_f > 0.0 || c_r > 0.0 { MOTIONS } else { 1 },
-            critical_m_per_s: critical_speed(vehicle, 1.0 + c_f, softest(c_r), mass),
+            // M' = M / (1 - mass).
+            critical_m_per_s: critical_speed(
+                vehicle,
+                [1.0 + c_f, softest(c_r)],
+                (1.0 - mass).max(0.1),
+            ),
             period_s,
         }
     }
@@ -133,16 +138,16 @@ impl References {
     }
 }
 
-/// Critical speed in m/s of the linear single-track model of `vehicle` with its stiffnesses times these
-/// factors and `M' = M / (1 - mass)`; none where it does not oversteer. Rajamani (2012), 3.3.
-fn critical_speed(vehicle: &Vehicle, front: f64, rear: f64, mass: f64) -> Option<f64> {
+/// Critical speed in m/s of the linear single-track model of `vehicle` with its stiffnesses, front and rear,
+/// times these factors and its mass divided by `lightness`; none where it does not oversteer. Rajamani (2012),
+/// 3.3.
+pub fn critical_speed(vehicle: &Vehicle, [front, rear]: [f64; 2], lightness: f64) -> Option<f64> {
     let v = vehicle;
     let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
     let c_f = front * v.front_cornering_stiffness_n_per_rad;
     let c_r = rear * v.rear_cornering_stiffness_n_per_rad;
     let oversteer = c_f * l_f - c_r * l_r;
     let wheelbase = l_f + l_r;
-    let lightness = (1.0 - mass).max(0.1);
     (oversteer > 0.0).then(|| {
         let square = 2.0 * c_f * c_r * wheelbase * wheelbase * lightness / (v.mass_kg * oversteer);
         libm::sqrt(square)

@@ -65,6 +65,19 @@ fn all_that_is_no_toml_is_shown() {
 }
 
 #[test]
+fn speeds_at_which_some_vehicle_is_unstable_are_shown() {
+    let text = r#"[vehicle]                              # rear heavy, on narrow rear tyres
+front_axle_distance_m = 1.4
+rear_axle_distance_m = 1.2
+rear_cornering_stiffness_n_per_rad = 55000
+
+[operating_range]
+v_x_m_per_s = [5.0, 40.0]
+"#;
+    assert_said!("critical_speed", &["design"], text);
+}
+
+#[test]
 fn values_of_several_tables_that_contradict_each_other_are_shown_together() {
     let text = r#"[sampling]
 period_s = 0.02

@@ -8,7 +8,7 @@
 //! both (all frequencies).
 
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{MAX_DELAY_SAMPLES, Vehicle};
+use steerguard_detector::{MAX_DELAY_SAMPLES, Vehicle, critical_speed};
 use steerguard_world::steady_angle;
 
 use crate::document::{self, Mistake, Mistakes};
@@ -152,6 +152,7 @@ impl Spec {
         let actuator_known = mistakes.sound("actuator.delay_s");
         let further_s = largest_delay_s.map(|largest_s| largest_s - self.actuator.delay_s);
         self.uncertainty.check(further_s.filter(|_| actuator_known), mistakes);
+        self.check_critical_speed(mistakes);
 
         let nyquist_hz = period_known.then(|| self.sampling.nyquist_hz());
         count("fault", self.fault.len(), mistakes);
@@ -228,6 +229,53 @@ impl Spec {
                     (min / rate * 1e4).floor() * 1e-4
                 ))
                 .because_of(period)
+        });
+    }
+
+    /// The lowest critical speed of a vehicle within the uncertainties, m/s; none where none of them
+    /// oversteers. Mass and front stiffness lower it, rear stiffness raises it, yaw inertia does neither.
+    pub fn lowest_critical_speed(&self) -> Option<f64> {
+        let [mass, front, rear] = self.most_oversteering_percent().map(|x| 1.0 + x / 100.0);
+        critical_speed(&self.vehicle, [front, rear], 1.0 / mass)
+    }
+
+    /// Mass, front and rear stiffness of the vehicle that has it, percent off those specified.
+    fn most_oversteering_percent(&self) -> [f64; 3] {
+        let u = &self.uncertainty;
+        let [_, mass] = u.mass_percent;
+        let ([_, front], [rear, _]) =
+            (u.front_cornering_stiffness_percent, u.rear_cornering_stiffness_percent);
+        [mass, front, rear]
+    }
+
+    /// No vehicle within the uncertainties may be driven beyond its critical speed, where it is unstable:
+    /// the model's motion then says nothing of where it is.
+    fn check_critical_speed(&self, mistakes: &mut Mistakes) {
+        let (speed, uncertainty) = ("operating_range.v_x_m_per_s", "uncertainty");
+        if !["vehicle", speed, uncertainty].into_iter().all(|key| mistakes.sound(key)) {
+            return;
+        }
+        let Some(critical) = self.lowest_critical_speed() else { return };
+        // Rounded down.
+        let named = (critical * 10.0).floor() / 10.0;
+        let range = self.operating_range.v_x_m_per_s;
+        mistakes.unless(range[1] < critical, || {
+            let [mass, front, rear] = self.most_oversteering_percent();
+            let vehicle = if [mass, front, rear] == [0.0; 3] {
+                "the vehicle".to_owned()
+            } else {
+                format!(
+                    "with mass {mass:+} %, front_cornering_stiffness {front:+} % and \
+                     rear_cornering_stiffness {rear:+} %, which `uncertainty` allows, the vehicle"
+                )
+            };
+            Mistake::value(speed, range, format!("max up to {named:.1} m/s, a critical speed"))
+                .help(format!(
+                    "{vehicle} oversteers, and from its critical speed of {named:.1} m/s on it is \
+                     unstable: lower max, or state the vehicle with less uncertainty"
+                ))
+                .because_of("vehicle")
+                .because_of(uncertainty)
         });
     }
 

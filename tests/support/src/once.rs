@@ -25,12 +25,29 @@ pub fn made_once<E>(
     make: impl FnOnce(&Path) -> Result<(), E>,
 ) -> Result<PathBuf, E> {
     let test = std::env::current_exe().unwrap();
+    let programs: Vec<&Path> = programs.iter().copied().chain([test.as_path()]).collect();
+    made_by(key, &programs, make)
+}
+
+/// The same of what these `programs` make alone, whichever executable runs them.
+///
+/// # Errors
+/// What `make` says; nothing is kept then.
+///
+/// # Panics
+/// If files cannot be read or written.
+pub fn made_by<E>(
+    key: &str,
+    programs: &[&Path],
+    make: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<PathBuf, E> {
     // target/PROFILE/deps/NAME-HASH
+    let test = std::env::current_exe().unwrap();
     let cache = test.ancestors().nth(3).unwrap().join("tests/cache");
     fs::create_dir_all(&cache).unwrap();
 
     let mut digest = Sha256::new();
-    for file in programs.iter().copied().chain([test.as_path()]) {
+    for file in programs {
         digest.update(Sha256::digest(fs::read(file).unwrap()));
     }
     digest.update(key);
