@@ -246,18 +246,22 @@ fn run(
         samples,
     };
     let mut outcome = Outcome { level: None, monitored: 0, samples };
-    simulation.run(&mut detector, &Disturbed { spec, drive, wind }, |&Sampled { detector, .. }| {
-        let Output { monitor, j_rms, j_th, .. } = *detector.output();
-        if monitor == Monitor::Monitoring {
-            outcome.monitored += 1;
-            let start_up_term = detector.state().start_up.term(evaluation);
-            let level = match population {
-                Population::Specified => j_rms - start_up_term,
-                Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
-            };
-            outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
-        }
-    });
+    simulation.run(
+        &mut detector,
+        &Disturbed { spec, drive, wind },
+        |&Sampled { detector, .. }| {
+            let Output { monitor, j_rms, j_th, .. } = *detector.output();
+            if monitor == Monitor::Monitoring {
+                outcome.monitored += 1;
+                let start_up_term = detector.state().start_up.term(evaluation);
+                let level = match population {
+                    Population::Specified => j_rms - start_up_term,
+                    Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
+                };
+                outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
+            }
+        },
+    );
     outcome
 }
 

@@ -4,11 +4,10 @@
 //! Those of [`crate::simulation`]. Courses are values for each sampling period, held over it; after their
 //! end the last one is held.
 
-use steerguard_detector::{
-    Detector, Gust, Monitor, Output, StateVector, Vehicle, VehicleState,
-};
+use steerguard_detector::{Detector, Gust, Monitor, Output, StateVector, Vehicle, VehicleState};
 use steerguard_world::{
-    Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2, held_sample, speed_control_n_m,
+    Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2, held_sample,
+    speed_control_n_m,
 };
 
 use crate::simulation::{Acting, Driving, Sampled, Simulation, Surroundings};
@@ -127,10 +126,7 @@ impl Drive {
     pub fn worst(&self, spec: &Spec, mut detector: Detector) -> Option<Worst> {
         let courses = &self.courses;
         let surroundings = Surroundings {
-            world: World::of(
-                TrueVehicle { data: self.vehicle, tyres: self.tyres },
-                self.steering,
-            ),
+            world: World::of(TrueVehicle { data: self.vehicle, tyres: self.tyres }, self.steering),
             v_x_scale: self.v_x_scale,
             yaw_rate_bias_rad_per_s: self.yaw_rate_bias_rad_per_s,
         };
@@ -144,11 +140,8 @@ impl Drive {
             period_s: courses.period_s,
             samples: courses.steering_rad.len() as u64,
         };
-        let around = Around {
-            courses,
-            mass_kg: self.vehicle.mass_kg,
-            action: spec.uncertainty.gust(),
-        };
+        let around =
+            Around { courses, mass_kg: self.vehicle.mass_kg, action: spec.uncertainty.gust() };
         let range = spec.operating_range.range();
         let mut within = true;
         let mut worst: Option<Worst> = None;
@@ -158,7 +151,10 @@ impl Drive {
             let Output { monitor, j_rms, j_th, .. } = *detector.output();
             let ratio = j_rms / j_th;
             // What is no number is not more.
-            if within && monitor == Monitor::Monitoring && worst.is_none_or(|worst| ratio > worst.ratio) {
+            if within
+                && monitor == Monitor::Monitoring
+                && worst.is_none_or(|worst| ratio > worst.ratio)
+            {
                 let measured = detector.state().last;
                 worst = Some(Worst {
                     ratio,

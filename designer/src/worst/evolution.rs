@@ -149,8 +149,9 @@ impl Evolution {
     fn learn(&mut self, tried: &[(Found, Vec<f64>)]) {
         self.generation += 1;
         let n = self.mean.len();
-        let Constants { effective, step_path, scale_path, rank_one, rank_mu, length, damping, .. } =
-            self.constants;
+        let Constants {
+            effective, step_path, scale_path, rank_one, rank_mu, length, damping, ..
+        } = self.constants;
         let weighted = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
             let mut sums = vec![0.0; n];
             for (weight, (_, direction)) in self.constants.weights.iter().zip(tried) {
@@ -166,11 +167,8 @@ impl Evolution {
         let path_length = libm::sqrt(self.path_of_step.iter().map(|x| x * x).sum());
         let settled = 1.0 - libm::pow(1.0 - step_path, 2.0 * self.generation as f64);
         let too_fast = path_length / libm::sqrt(settled) >= (1.4 + 2.0 / (n as f64 + 1.0)) * length;
-        let gain = if too_fast {
-            0.0
-        } else {
-            libm::sqrt(scale_path * (2.0 - scale_path) * effective)
-        };
+        let gain =
+            if too_fast { 0.0 } else { libm::sqrt(scale_path * (2.0 - scale_path) * effective) };
         for i in 0..n {
             let scale = self.scale[i];
             self.mean[i] += self.step * scale * direction[i];
@@ -191,7 +189,11 @@ mod tests {
     use super::*;
 
     /// The best of `generations` on `value` from `mean`.
-    fn best(value: impl Fn(&[f64]) -> Option<f64> + Sync, mean: Vec<f64>, generations: u64) -> Found {
+    fn best(
+        value: impl Fn(&[f64]) -> Option<f64> + Sync,
+        mean: Vec<f64>,
+        generations: u64,
+    ) -> Found {
         let mut evolution = Evolution::new(mean.clone(), 0.5);
         let mut best = Found { value: value(&mean), point: mean };
         for generation in 0..generations {

@@ -14,8 +14,9 @@ use steerguard_world::{CALM_S, GUST_S, Steering, Tyres, steady_angle};
 use crate::spec::Spec;
 use crate::worst::drive::{Courses, Drive};
 
-/// Length of a drive, s.
+/// Length of a drive, s; longer where the window is longer than [`WINDOW_S`].
 const DURATION_S: f64 = 5.0;
+const WINDOW_S: f64 = 0.4;
 /// Largest longitudinal acceleration and braking of the driver, m/s^2.
 const ACCELERATION_M_PER_S2: f64 = 3.0;
 /// How near the set speed comes to an end of the armed range's hysteresis, as a share of that.
@@ -191,8 +192,7 @@ impl Family {
                 delay_s: actuator.delay_s + of_key(Self::ActuatorDelay, [0.0, u.actuator_delay_s]),
                 ..actuator
             },
-            ratio: 1.0
-                / (1.0 + of_key(Self::SteeringRatio, u.steering_ratio_percent) / 100.0),
+            ratio: 1.0 / (1.0 + of_key(Self::SteeringRatio, u.steering_ratio_percent) / 100.0),
             offset_rad: zero.steering_offset_rad
                 + of_key(Self::SteeringOffset, either(u.steering_offset_deg)).to_radians(),
         };
@@ -264,9 +264,16 @@ impl<'a> Point<'a> {
     }
 }
 
+/// Length of a drive, s.
+fn duration_s(spec: &Spec) -> f64 {
+    let period_s = spec.sampling.period_s;
+    let window_s = spec.evaluation.window(period_s) as f64 * period_s;
+    DURATION_S * (window_s / WINDOW_S).max(1.0)
+}
+
 /// Sampling periods of a drive.
 fn samples(spec: &Spec) -> usize {
-    libm::ceil(DURATION_S / spec.sampling.period_s) as usize
+    libm::ceil(duration_s(spec) / spec.sampling.period_s) as usize
 }
 
 /// Set speed: constant, then slower or faster for a while.
@@ -280,7 +287,7 @@ fn speed(spec: &Spec, point: &mut Point<'_>) -> Vec<f64> {
     let armed = range.range().shrunk(range.hysteresis()).v_x;
     let first = point.end([armed.min, armed.max]);
     let slope = point.end([-ACCELERATION_M_PER_S2, ACCELERATION_M_PER_S2]);
-    let [begin_s, end_s] = [(); 2].map(|()| point.between([0.0, DURATION_S]));
+    let [begin_s, end_s] = [(); 2].map(|()| point.between([0.0, duration_s(spec)]));
     let at = |k: usize| {
         let t = k as f64 * spec.sampling.period_s;
         (first + slope * (t.min(begin_s.max(end_s)) - begin_s.min(end_s)).max(0.0)).clamp(min, max)
@@ -288,14 +295,16 @@ fn speed(spec: &Spec, point: &mut Point<'_>) -> Vec<f64> {
     (0..samples(spec)).map(at).collect()
 }
 
-/// State at the start, at speed `v_x`.
+/// State at the start, at speed `v_x`: a lateral speed as the calibration's, a yaw rate as in a turn.
 fn initial_state(spec: &Spec, v_x: f64, point: &mut Point<'_>) -> VehicleState {
     let range = spec.operating_range.range();
-    let most = (lateral_acceleration(spec) / v_x).min(range.r.max);
+    let of = spec.evaluation.calibration.initial_v_y_in([range.v_y.min, range.v_y.max]);
+    let v_y = of.iter().fold([0.0_f64; 2], |[min, max], &v_y| [min.min(v_y), max.max(v_y)]);
+    let most = lateral_acceleration(spec) / v_x;
     VehicleState {
         v_x_m_per_s: v_x,
-        v_y_m_per_s: point.end([range.v_y.min, range.v_y.max]),
-        r_rad_per_s: point.end([-most, most]),
+        v_y_m_per_s: point.end(v_y),
+        r_rad_per_s: point.end([range.r.min.max(-most), range.r.max.min(most)]),
     }
 }
 
@@ -366,7 +375,7 @@ fn slow_bank(spec: &Spec, samples: usize, point: &mut Point<'_>) -> Vec<f64> {
 fn gusts(spec: &Spec, samples: usize, point: &mut Point<'_>) -> Vec<f64> {
     let fastest = spec.uncertainty.gust_m_per_s;
     let [first, then] = [(); 2].map(|()| point.end([-fastest, fastest]));
-    let start_s = point.between([0.0, DURATION_S - GUST_S[0]]);
+    let start_s = point.between([0.0, duration_s(spec) - GUST_S[0]]);
     let [duration_s, next_s] = [(); 2].map(|()| point.between(GUST_S));
     let pause_s = point.between(CALM_S);
     let gust = |speed: f64, since_s: f64, duration_s: f64| {

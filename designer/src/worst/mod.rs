@@ -6,9 +6,10 @@
 //! on the worst case.
 //!
 //! # Conventions
-//! - A family's budget is a number of drives. Some are driven at random; from the worst of these [`STARTS`]
-//!   starts move a distribution of drives each ([`evolution`]); the better half of them goes on, until one is
-//!   left. What has come to its end begins anew around its best.
+//! - A family's budget is a number of drives. Some are driven at random, and some like the worst so far of
+//!   the families; from the worst of these [`STARTS`] starts move a distribution of drives each
+//!   ([`evolution`]); the better half of them goes on, until one is left. What has come to its end begins anew
+//!   around its best. All families are gone through twice.
 //! - The result is a function of specification, configuration, budget and seed, to the last bit, on any
 //!   machine and any number of processors.
 //! - Neither the disturbances nor the bounded noise of a specification act: as in campaigns. White noise
@@ -29,10 +30,12 @@ use crate::worst::drive::{Drive, Worst};
 use crate::worst::evolution::{Evolution, Found, population};
 pub use crate::worst::family::Family;
 
-/// Starts of a family's search.
+/// Starts of a family in each pass.
 pub const STARTS: usize = 8;
 /// Drives of a family where nothing else is asked for.
-pub const BUDGET: u64 = 12_000;
+pub const BUDGET: u64 = 16_000;
+/// How often all families are gone through, each time with what is known of the others.
+const PASSES: u64 = 2;
 /// Share of the budget that is driven at random.
 const RANDOM: f64 = 0.2;
 /// Standard deviation of a distribution at its beginning, rad, around a drive at random and one like a known
@@ -84,23 +87,65 @@ pub fn worst(
 ) -> Result<Vec<FamilyWorst>, ConfigurationError> {
     let detector = Detector::new(configuration)?;
     let noise_seed = (Stream::new(search.seed, NOISE_STREAM).bits(0) as u32).cast_signed();
-    let mut known: Vec<(Family, Found)> = Vec::new();
-    let mut worst = Vec::with_capacity(families.len());
-    for &family in families {
-        let test = Test { spec, detector, family, noise_seed, search, progress };
-        let (found, of_family) = test.worst(&known);
-        known.extend(found.map(|found| (family, found)));
-        worst.push(of_family);
+    let mut found: Vec<Outcome> = families.iter().map(|_| Outcome::default()).collect();
+    for pass in 0..PASSES {
+        for (place, &family) in families.iter().enumerate() {
+            let test = Test { spec, detector, family, noise_seed, search, pass, progress };
+            let known: Vec<Known> = families
+                .iter()
+                .zip(&found)
+                .filter_map(|(&of, outcome)| Some((of, outcome.best.as_ref()?)))
+                .collect();
+            let outcome = test.search(&known);
+            found[place].add(outcome);
+        }
     }
-    Ok(worst)
+    let report = |(&family, outcome): (&Family, Outcome)| {
+        let Outcome { best, drives, ratio_at_random } = outcome;
+        let worst = best.and_then(|best| {
+            let drive = family.drive(spec, &best.point, noise_seed);
+            let worst = drive.worst(spec, detector)?;
+            Some((drive, worst))
+        });
+        FamilyWorst { family, drives, ratio_at_random, worst }
+    };
+    Ok(families.iter().zip(found).map(report).collect())
 }
 
-/// Streams of a search's random numbers: the seed of the sensors' noise, drives at random, drives like known
-/// ones, the first of the starts.
+/// What passes have found of a family.
+#[derive(Default)]
+struct Outcome {
+    best: Option<Found>,
+    drives: u64,
+    ratio_at_random: Option<f64>,
+}
+
+impl Outcome {
+    /// Adds what a further pass has found.
+    fn add(&mut self, other: Self) {
+        self.drives += other.drives;
+        // None is less than every number.
+        if other.ratio_at_random > self.ratio_at_random {
+            self.ratio_at_random = other.ratio_at_random;
+        }
+        let is_more = |more: &Found| self.best.as_ref().is_none_or(|best| more.order(best).is_gt());
+        if let Some(more) = other.best.filter(is_more) {
+            self.best = Some(more);
+        }
+    }
+}
+
+/// The worst of a family so far.
+type Known<'a> = (Family, &'a Found);
+
+/// Streams of a pass's random numbers: the seed of the sensors' noise, drives at random, drives like known
+/// ones, how these differ from them, the first of the starts; and the number of all.
 const NOISE_STREAM: u64 = 0;
 const RANDOM_STREAM: u64 = 1;
 const KNOWN_STREAM: u64 = 2;
-const FIRST_START_STREAM: u64 = 3;
+const AROUND_STREAM: u64 = 3;
+const FIRST_START_STREAM: u64 = 4;
+const STREAMS: u64 = FIRST_START_STREAM + 2 * STARTS as u64;
 
 /// The search of a family.
 struct Test<'a, P> {
@@ -109,6 +154,7 @@ struct Test<'a, P> {
     family: Family,
     noise_seed: i32,
     search: Search,
+    pass: u64,
     progress: &'a P,
 }
 
@@ -123,36 +169,39 @@ struct Start {
 }
 
 impl<P: Fn(u64) + Sync> Test<'_, P> {
-    fn drive(&self, point: &[f64]) -> Drive {
-        self.family.drive(self.spec, point, self.noise_seed)
-    }
-
     /// Largest J/J_th of the drive of `point`.
     fn ratio(&self, point: &[f64]) -> Option<f64> {
-        let worst = self.drive(point).worst(self.spec, self.detector);
+        let drive = self.family.drive(self.spec, point, self.noise_seed);
+        let worst = drive.worst(self.spec, self.detector);
         (self.progress)(1);
         worst.map(|worst| worst.ratio)
     }
 
-    /// The worst found, and what is reported of it; `known` is the worst of other families.
-    fn worst(&self, known: &[(Family, Found)]) -> (Option<Found>, FamilyWorst) {
-        let budget = self.search.budget;
+    /// Random numbers of this pass.
+    fn stream(&self, stream: u64) -> Stream {
+        Stream::new(self.search.seed, self.pass * STREAMS + stream)
+    }
+
+    /// What a pass finds; `known` is the worst of all families so far.
+    fn search(&self, known: &[Known]) -> Outcome {
+        let budget = self.search.budget / PASSES;
         let each = ((0.5 * RANDOM * budget as f64) as u64).max(1);
-        let at_random = self.at_random(each, RANDOM_STREAM, &[]);
-        let like_known = self.at_random(each, KNOWN_STREAM, known);
-        let mut drives = 2 * each;
+        let at_random = self.at_random(each);
+        let like_known = self.like_known(each, known);
+        let mut drives = each + like_known.len() as u64;
         let ratio_at_random = at_random.first().and_then(|found| found.value);
-        let starts = |found: Vec<Found>, step: f64, first_stream: u64| {
+        let begin = |found: Vec<Found>, step: f64, first_stream: u64| {
             let some = found.into_iter().take(STARTS / 2).zip(first_stream..);
             some.map(move |(best, stream)| Start {
                 evolution: Evolution::new(best.point.clone(), step),
                 best,
-                random: Stream::new(self.search.seed, stream),
+                random: self.stream(stream),
                 used: 0,
             })
         };
-        let mut starts: Vec<Start> = starts(at_random, FIRST_STEP, FIRST_START_STREAM)
-            .chain(starts(like_known, KNOWN_STEP, FIRST_START_STREAM + STARTS as u64))
+        let like_known = first_of_each(like_known);
+        let mut starts: Vec<Start> = begin(at_random, FIRST_STEP, FIRST_START_STREAM)
+            .chain(begin(like_known, KNOWN_STEP, FIRST_START_STREAM + STARTS as u64))
             .collect();
         // The better half goes on, with the same number of drives in every round.
         let rounds = u64::from(starts.len().ilog2()) + 1;
@@ -161,34 +210,48 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
             let share = left / starts.len() as u64;
             drives += starts.par_iter_mut().map(|start| self.go_on(start, share)).sum::<u64>();
             starts.sort_by(|a, b| b.best.order(&a.best));
-            if std::env::var("TRACE").is_ok() { eprintln!("{:?} {drives} {:?}", self.family, starts.iter().map(|s| (s.best.value.unwrap(), s.evolution.step())).collect::<Vec<_>>()); }
             starts.truncate(starts.len().div_ceil(2));
         }
         let best = starts.into_iter().next().map(|start| start.best);
-        let worst = best.as_ref().and_then(|best| {
-            let drive = self.drive(&best.point);
-            let worst = drive.worst(self.spec, self.detector)?;
-            Some((drive, worst))
-        });
-        (best, FamilyWorst { family: self.family, drives, ratio_at_random, worst })
+        Outcome { best, drives, ratio_at_random }
     }
 
-    /// So many drives at random, the worst first; of those like a `known` one of another family only what
-    /// does not mean the same is random.
-    fn at_random(&self, drives: u64, stream: u64, known: &[(Family, Found)]) -> Vec<Found> {
-        let random = Stream::new(self.search.seed, stream);
+    /// So many drives at random, the worst first.
+    fn at_random(&self, drives: u64) -> Vec<Found> {
+        let random = self.stream(RANDOM_STREAM);
         let dimension = self.family.dimension(self.spec) as u64;
         let drive = |k: u64| {
             let numbers = k * dimension..(k + 1) * dimension;
-            let mut point: Vec<f64> = numbers.map(|number| random.within(number, PI)).collect();
-            if let Some((other, found)) = known.get(k as usize % known.len().max(1)) {
-                let shared = self.family.shared(*other, self.spec);
-                point.iter_mut().zip(&found.point).take(shared).for_each(|(to, from)| *to = *from);
-            }
+            let point: Vec<f64> = numbers.map(|number| random.within(number, PI)).collect();
             Found { value: self.ratio(&point), point }
         };
         let mut found: Vec<Found> = (0..drives).into_par_iter().map(drive).collect();
         found.sort_by(|a, b| b.order(a));
+        found
+    }
+
+    /// As many drives like the `known` ones in turn, the worst first, each with the place of that: first as
+    /// it is, then around it, as far as its numbers mean the same; what else there is is random.
+    fn like_known(&self, drives: u64, known: &[Known]) -> Vec<(usize, Found)> {
+        let (random, normal) = (self.stream(KNOWN_STREAM), self.stream(AROUND_STREAM));
+        let dimension = self.family.dimension(self.spec) as u64;
+        let drive = |(k, place): (u64, usize)| {
+            let numbers = k * dimension..(k + 1) * dimension;
+            let (other, like) = known[place];
+            let shared = self.family.shared(other, self.spec);
+            let around = if k < known.len() as u64 { 0.0 } else { KNOWN_STEP };
+            let mut point: Vec<f64> =
+                numbers.clone().map(|number| random.within(number, PI)).collect();
+            for ((to, from), number) in point.iter_mut().zip(&like.point).zip(numbers).take(shared)
+            {
+                *to = from + around * normal.normal(number);
+            }
+            (place, Found { value: self.ratio(&point), point })
+        };
+        let places = (0..known.len()).cycle();
+        let drives: Vec<(u64, usize)> = (0..drives).zip(places).collect();
+        let mut found: Vec<(usize, Found)> = drives.into_par_iter().map(drive).collect();
+        found.sort_by(|(_, a), (_, b)| b.order(a));
         found
     }
 
@@ -210,4 +273,15 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
         }
         generations * population
     }
+}
+
+/// The first of each place, in their order.
+fn first_of_each(found: Vec<(usize, Found)>) -> Vec<Found> {
+    let mut met = Vec::new();
+    let mut is_new = |place: usize| {
+        let is_new = !met.contains(&place);
+        met.push(place);
+        is_new
+    };
+    found.into_iter().filter_map(|(place, found)| is_new(place).then_some(found)).collect()
 }

@@ -188,7 +188,7 @@ pub struct CampaignArguments {
         "load_transfer", "friction", "v_x_noise", "r_noise", "v_x_bias", "r_bias", "drive", "shard",
         "prepare", "signals"])]
     pub worst: bool,
-    /// Drives of each family that the search takes, at most; default: 12000
+    /// Drives of each family that the search takes, at most; default: 16000
     #[arg(long, value_name = "N", requires = "worst",
         value_parser = value_parser!(u64).range(100..=100_000_000))]
     pub budget: Option<u64>,

@@ -124,9 +124,8 @@ fn text(report: &Report) -> String {
     ];
     let table = |stated: bool| {
         let mut rows: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
-        let number = |x: Option<f64>, digits: usize| {
-            x.map_or("-".to_owned(), |x| format!("{x:.digits$}"))
-        };
+        let number =
+            |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
         rows.extend(report.families.iter().filter(|row| row.stated == stated).map(|row| {
             vec![
                 row.family.to_owned(),
