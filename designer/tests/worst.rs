@@ -266,7 +266,7 @@ fn every_budget_is_kept() {
         let found =
             worst(&design.spec, &design.configuration(), &families, search, &count).unwrap();
         let drives = found[0].drives;
-        // A drive at random and one like the worst so far, twice.
+        // A drive at random, and one like the worst so far twice.
         assert!(drives <= budget.max(4), "{drives} of {budget}");
         assert_eq!(done.into_inner(), drives);
         assert!(found[0].ratio().is_some());

@@ -9,7 +9,7 @@
 //! - A family's budget is a number of drives. Some are driven at random, and some like the worst so far of
 //!   the families; from the worst of these [`STARTS`] starts move a distribution of drives each
 //!   ([`evolution`]); the better half of them goes on, until one is left. What has come to its end begins anew
-//!   around its best. All families are gone through twice.
+//!   around its best. All families are gone through twice, the second time without drives at random.
 //! - The result is a function of specification, configuration, budget and seed, to the last bit, on any
 //!   machine and any number of processors.
 //! - Neither the disturbances nor the bounded noise of a specification act: as in campaigns. White noise
@@ -186,9 +186,10 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
     fn search(&self, known: &[Known]) -> Outcome {
         let budget = self.search.budget / PASSES;
         let each = ((0.5 * RANDOM * budget as f64) as u64).max(1);
-        let at_random = self.at_random(each);
+        // In later passes what is known is better than what is random.
+        let at_random = if self.pass == 0 { self.at_random(each) } else { Vec::new() };
         let like_known = self.like_known(each, known);
-        let mut drives = each + like_known.len() as u64;
+        let mut drives = (at_random.len() + like_known.len()) as u64;
         let ratio_at_random = at_random.first().and_then(|found| found.value);
         let begin = |found: Vec<Found>, step: f64, first_stream: u64| {
             let some = found.into_iter().take(STARTS / 2).zip(first_stream..);
@@ -204,10 +205,10 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
             .chain(begin(like_known, KNOWN_STEP, FIRST_START_STREAM + STARTS as u64))
             .collect();
         // The better half goes on, with the same number of drives in every round.
-        let rounds = u64::from(starts.len().ilog2()) + 1;
+        let rounds = u64::from(starts.len().max(1).ilog2()) + 1;
         for round in 0..rounds {
             let left = (budget - drives.min(budget)) / (rounds - round);
-            let share = left / starts.len() as u64;
+            let share = left / starts.len().max(1) as u64;
             drives += starts.par_iter_mut().map(|start| self.go_on(start, share)).sum::<u64>();
             starts.sort_by(|a, b| b.best.order(&a.best));
             starts.truncate(starts.len().div_ceil(2));
