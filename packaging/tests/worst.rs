@@ -90,8 +90,8 @@ fn worst_drives_are_replayed_through_both_fmus() {
 /// J/J_th at a time, of the run recorded in `folder`.
 fn j_ratio(folder: &Path, time_s: f64) -> f64 {
     let results = fs::read_dir(folder.join("steerguard-out")).unwrap();
-    let paths = results.map(|entry| entry.unwrap().path());
-    let path = paths.filter(|path| path.extension().is_some_and(|e| e == "csv")).next().unwrap();
+    let mut paths = results.map(|entry| entry.unwrap().path());
+    let path = paths.find(|path| path.extension().is_some_and(|e| e == "csv")).unwrap();
     let mut reader = csv::Reader::from_path(&path).unwrap();
     let headers = reader.headers().unwrap().clone();
     let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
