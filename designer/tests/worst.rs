@@ -36,8 +36,7 @@ fn drives(family: Family, spec: &Spec) -> impl Iterator<Item = Drive> {
 
 /// Everything of `[uncertainty]` stated.
 fn every_key() -> Spec {
-    let mut spec = Spec::default();
-    spec.uncertainty = UncertaintyTable {
+    let uncertainty = UncertaintyTable {
         actuator_lag_s: 0.02,
         actuator_delay_s: 0.03,
         steering_ratio_percent: [-5.0, 10.0],
@@ -47,7 +46,7 @@ fn every_key() -> Spec {
         friction: [0.8, 1.0],
         ..UncertaintyTable::DEFAULT
     };
-    spec
+    Spec { uncertainty, ..Spec::default() }
 }
 
 #[test]
