@@ -458,9 +458,7 @@ impl Detector {
                 self.rest();
             }
             if self.state.followed > 0 {
-                let Measurement { v_x_m_per_s, r_rad_per_s } = y;
-                let motions = &mut self.state.motions;
-                self.references.advance(motions, v_x_m_per_s, r_rad_per_s, delta_rad);
+                self.references.advance(&mut self.state.motions, y, a_x_m_per_s2, delta_rad);
             }
         }
         self.state.sample += 1;

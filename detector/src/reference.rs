@@ -6,6 +6,7 @@
 //! there.
 //!
 //! # Conventions
+//! - Cornering stiffness goes with axle load, which braking moves to the front: the motions brake too.
 //! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft
 //!   as stated; and the reverse. Near its critical speed a vehicle answers by a multiple of what the model
 //!   says.
@@ -13,7 +14,7 @@
 //!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
 //! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
 
-use crate::{Vehicle, VehicleState};
+use crate::{Measurement, Vehicle, VehicleState};
 
 /// Number of reference motions.
 pub const MOTIONS: usize = 3;
@@ -40,7 +41,7 @@ impl ReferenceMotion {
     }
 }
 
-/// What of a motion no sample changes: the coefficients of its single-track model.
+/// Coefficients of a motion's single-track model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Coefficients {
     /// Of `dv_y/dt`, by v_y / v_x, r / v_x and delta.
@@ -50,7 +51,8 @@ struct Coefficients {
 }
 
 impl Coefficients {
-    fn of(vehicle: &Vehicle, front_factor: f64, rear_factor: f64) -> Self {
+    /// Those of `vehicle` with its stiffnesses, front and rear, times these factors.
+    fn of(vehicle: &Vehicle, [front_factor, rear_factor]: [f64; 2]) -> Self {
         let v = vehicle;
         let (m, i_z) = (v.mass_kg, v.yaw_inertia_kg_m2);
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
@@ -67,32 +69,72 @@ impl Coefficients {
 /// The vehicles whose motions are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct References {
-    motions: [Coefficients; MOTIONS],
-    /// The first of them differ.
+    vehicle: Vehicle,
+    /// Factors of the stiffnesses, front and rear, motion by motion.
+    factors: [[f64; 2]; MOTIONS],
+    /// Least of the true mass M' as M / M'.
+    lightness: f64,
+    /// The first of the motions differ.
     pub(crate) distinct: usize,
+    /// At the static axle loads.
+    at_rest: Loaded,
+    period_s: f64,
+}
+
+/// The motions under given axle loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Loaded {
+    motions: [Coefficients; MOTIONS],
     /// The critical speed of the worst vehicle stated, m/s; none where none oversteers.
     critical_m_per_s: Option<f64>,
-    period_s: f64,
+}
+
+impl Loaded {
+    /// With stiffnesses of so many times those at the static loads, front and rear.
+    fn new(
+        vehicle: &Vehicle,
+        factors: &[[f64; 2]; MOTIONS],
+        lightness: f64,
+        loads: [f64; 2],
+    ) -> Self {
+        let loaded = factors.map(|[front, rear]| [front * loads[0], rear * loads[1]]);
+        let [_, worst, _] = loaded;
+        Self {
+            motions: loaded.map(|factors| Coefficients::of(vehicle, factors)),
+            critical_m_per_s: critical_speed(vehicle, worst, lightness),
+        }
+    }
 }
 
 impl References {
     /// Those of a vehicle with relative uncertainties of its front and rear stiffness and its mass.
     pub(crate) fn new(vehicle: &Vehicle, [c_f, c_r]: [f64; 2], mass: f64, period_s: f64) -> Self {
         let softest = |c: f64| (1.0 - c).max(0.1);
-        let factors = [(1.0, 1.0), (1.0 + c_f, softest(c_r)), (softest(c_f), 1.0 + c_r)];
+        let factors = [[1.0, 1.0], [1.0 + c_f, softest(c_r)], [softest(c_f), 1.0 + c_r]];
+        // M' = M / (1 - mass).
+        let lightness = (1.0 - mass).max(0.1);
         Self {
-            motions: factors.map(|(front, rear)| Coefficients::of(vehicle, front, rear)),
+            vehicle: *vehicle,
+            factors,
+            lightness,
             distinct: if c_f > 0.0 || c_r > 0.0 { MOTIONS } else { 1 },
-            // M' = M / (1 - mass).
-            critical_m_per_s: critical_speed(
-                vehicle,
-                [1.0 + c_f, softest(c_r)],
-                (1.0 - mass).max(0.1),
-            ),
+            at_rest: Loaded::new(vehicle, &factors, lightness, [1.0, 1.0]),
             period_s,
         }
     }
 
+    /// The motions at a longitudinal acceleration in m/s^2.
+    fn loaded(&self, a_x: f64) -> Loaded {
+        if self.vehicle.centre_of_gravity_height_m > 0.0 {
+            let loads = self.vehicle.load_factors(a_x);
+            Loaded::new(&self.vehicle, &self.factors, self.lightness, loads)
+        } else {
+            self.at_rest
+        }
+    }
+}
+
+impl Loaded {
     /// How fast motions are drawn to the measured yaw rate at a speed, 1/s.
     fn draw_per_s(&self, v_x: f64) -> f64 {
         self.critical_m_per_s.map_or(0.0, |critical| {
@@ -100,19 +142,23 @@ impl References {
             DRAW_PER_S * share.clamp(0.0, 1.0)
         })
     }
+}
 
-    /// Takes the motions on by a sample, from speed v_x > 0 in m/s, measured yaw rate in rad/s and angle
-    /// at the road wheel in rad.
+impl References {
+    /// Takes the motions on by a sample, from measurement, longitudinal acceleration in m/s^2 and angle at
+    /// the road wheel in rad.
     pub(crate) fn advance(
         &self,
         motions: &mut [ReferenceMotion; MOTIONS],
-        v_x: f64,
-        r: f64,
+        y: Measurement,
+        a_x_m_per_s2: f64,
         delta_rad: f64,
     ) {
+        let Measurement { v_x_m_per_s: v_x, r_rad_per_s: r } = y;
         let half = 0.5 * self.period_s;
-        let draw = self.draw_per_s(v_x);
-        for (motion, coefficients) in motions.iter_mut().zip(&self.motions).take(self.distinct) {
+        let loaded = self.loaded(a_x_m_per_s2);
+        let draw = loaded.draw_per_s(v_x);
+        for (motion, coefficients) in motions.iter_mut().zip(&loaded.motions).take(self.distinct) {
             let Coefficients { lateral, yaw } = coefficients;
             // x' = A x + b over half a period, on both sides of (I - A) x+ = (I + A) x + 2 b.
             let a_11 = half * lateral[0] / v_x;

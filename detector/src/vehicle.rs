@@ -129,6 +129,15 @@ impl Vehicle {
         [front, weight - front]
     }
 
+    /// Loads of the axles, front and rear, at the longitudinal acceleration `a_x` in m/s^2 over those at
+    /// rest; not below a tenth.
+    pub fn load_factors(&self, a_x: f64) -> [f64; 2] {
+        let share = a_x * self.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
+        let front = 1.0 - share / self.rear_axle_distance_m;
+        let rear = 1.0 + share / self.front_axle_distance_m;
+        [front.max(0.1), rear.max(0.1)]
+    }
+
     /// What the transfer of axle load at the longitudinal acceleration `a_x` in m/s^2 adds to `dx/dt`, in
     /// m/s^2, m/s^2, rad/s^2, where cornering stiffness is in proportion to load and tyres at the static
     /// load have the `[front, rear]` axle forces in N. Method 2.

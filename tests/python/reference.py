@@ -384,14 +384,14 @@ class Reference:
         static = self.mass * GRAVITY / (self.l_f + self.l_r) * np.array([self.l_r, self.l_f])
         return self.by_forces([-front * moved / static[0], rear * moved / static[1]])
 
-    def critical_speed(self):
-        """Of the worst vehicle stated, m/s; inf where none oversteers.
+    def critical_speed(self, loads=(1, 1)):
+        """Of the worst vehicle stated, m/s; inf where none oversteers. Stiffness is times `loads`.
 
         There the linear single-track model has a real root at 0: M' v^2 (C_f l_f - C_r l_r) =
         2 C_f C_r L^2. No bound takes more than nine tenths of stiffness or 1/M' away.
         """
         q = self.uncertainty
-        c_f, c_r = (1 + q.front) * self.c_f, max(1 - q.rear, 0.1) * self.c_r
+        c_f, c_r = loads[0] * (1 + q.front) * self.c_f, loads[1] * max(1 - q.rear, 0.1) * self.c_r
         heaviest = self.mass / max(1 - q.mass, 0.1)
         oversteer = heaviest * (c_f * self.l_f - c_r * self.l_r)
         if oversteer <= 0:
@@ -411,7 +411,7 @@ class Reference:
         """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
         n, t = len(y), self.period
         motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
-        critical, q = self.critical_speed(), self.uncertainty
+        q = self.uncertainty
         c_f, c_r = [1 - min(q.front, 0.9), 1 + q.front], [1 - min(q.rear, 0.9), 1 + q.rear]
         factors = [(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])]
         followed, x, filtered = 0, None, 0.0
@@ -428,9 +428,12 @@ class Reference:
             smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
             a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
             filtered = smoothed
-            share = np.clip((v_x / critical - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
+            # Cornering stiffness goes with axle load, which a_x moves.
+            moved = a_x[k] * self.height / GRAVITY
+            loads = np.maximum([1 - moved / self.l_r, 1 + moved / self.l_f], 0.1)
+            share = np.clip((v_x / self.critical_speed(loads) - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
             for i, (front, rear) in enumerate(factors):
-                A, B = self.lateral_model(v_x, front, rear, DRAW_PER_S * share)
+                A, B = self.lateral_model(v_x, front * loads[0], rear * loads[1], DRAW_PER_S * share)
                 half = t / 2 * A
                 right = (np.eye(2) + half) @ x[i] + t * B @ [delta[k], r]
                 x[i] = np.linalg.solve(np.eye(2) - half, right)

@@ -65,7 +65,7 @@ typedef struct {
     Configuration c;
     /* Constants of the sample path. */
     double b[3][2], g_phi, drag, cross, damping, slow, fast, half_square;
-    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical;
+    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical, factor[MOTIONS][2];
     int along[ALONG], common[COMMON], sensed[SENSED], any, any_along, transfers;
     size_t motions;
     /* Inputs, states, outputs. */
@@ -82,7 +82,8 @@ typedef struct {
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-static void motion_new(Motion *m, const Configuration *c, double front, double rear) {
+/* With stiffnesses of so many times those of the configuration. */
+static void motion_load(Motion *m, const Configuration *c, double front, double rear) {
     const double c_f = 2.0 * front * c->c_f, c_r = 2.0 * rear * c->c_r;
     const double moment = c_r * c->l_r - c_f * c->l_f;
     m->lateral[0] = -(c_f + c_r) / c->mass;
@@ -93,13 +94,20 @@ static void motion_new(Motion *m, const Configuration *c, double front, double r
     m->yaw[2] = c->l_f * c_f / c->yaw_inertia;
 }
 
-/* Critical speed of the worst vehicle; infinite where none oversteers. */
-static double critical_speed(const Configuration *c) {
-    const double c_f = (1.0 + c->q.front) * c->c_f, c_r = larger(1.0 - c->q.rear, 0.1) * c->c_r;
+/* Critical speed with stiffnesses of so many times; infinite where it does not oversteer. */
+static double critical_speed(const Configuration *c, double front, double rear) {
+    const double c_f = front * c->c_f, c_r = rear * c->c_r;
     const double oversteer = c_f * c->l_f - c_r * c->l_r, wheelbase = c->l_f + c->l_r;
     const double lightness = larger(1.0 - c->q.mass, 0.1);
     if (!(oversteer > 0.0)) return INFINITY;
     return sqrt(2.0 * c_f * c_r * wheelbase * wheelbase * lightness / (c->mass * oversteer));
+}
+
+/* Cornering stiffness goes with axle load: the motions and the critical speed of the worst vehicle with it. */
+static void load_motions(Instance *s, double front, double rear) {
+    const Configuration *c = &s->c;
+    for (int i = 0; i < MOTIONS; i++) motion_load(&s->motion[i], c, s->factor[i][0] * front, s->factor[i][1] * rear);
+    s->critical = critical_speed(c, s->factor[1][0] * front, s->factor[1][1] * rear);
 }
 
 Instance *detector_new(const Configuration *c) {
@@ -127,10 +135,12 @@ Instance *detector_new(const Configuration *c) {
     s->rear_holds = c->q.friction * (weight - front_load);
     s->front_lever = fabs(c->l_r + c->q.gust_ahead);
     s->rear_lever = fabs(c->l_f - c->q.gust_ahead);
-    s->critical = critical_speed(c);
-    motion_new(&s->motion[0], c, 1.0, 1.0);
-    motion_new(&s->motion[1], c, 1.0 + c->q.front, larger(1.0 - c->q.rear, 0.1));
-    motion_new(&s->motion[2], c, larger(1.0 - c->q.front, 0.1), 1.0 + c->q.rear);
+    s->factor[0][0] = s->factor[0][1] = 1.0;
+    s->factor[1][0] = 1.0 + c->q.front;
+    s->factor[1][1] = larger(1.0 - c->q.rear, 0.1);
+    s->factor[2][0] = larger(1.0 - c->q.front, 0.1);
+    s->factor[2][1] = 1.0 + c->q.rear;
+    load_motions(s, 1.0, 1.0);
     s->motions = c->q.front > 0.0 || c->q.rear > 0.0 ? MOTIONS : 1;
     s->transfers = c->height > 0.0;
 
@@ -355,8 +365,12 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
 }
 
 /* Takes the reference motions on by the trapezoidal rule. */
-static void advance_motions(Instance *s, double v_x, double r, double delta) {
+static void advance_motions(Instance *s, double v_x, double r, double a_x, double delta) {
     const double half = 0.5 * s->c.period;
+    if (s->transfers) {
+        const double moved = a_x * s->c.height / GRAVITY;
+        load_motions(s, larger(1.0 - moved / s->c.l_r, 0.1), larger(1.0 + moved / s->c.l_f, 0.1));
+    }
     const double share = (v_x / s->critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
     const double draw = DRAW * smaller(larger(share, 0.0), 1.0);
     for (size_t i = 0; i < s->motions; i++) {
@@ -427,7 +441,7 @@ static void run_sample(Instance *s) {
         uncertain = push(&s->uncertain, most * most, c->window);
     }
     advance_responses(s, n, l, v_x, v_y, r, delta, a_x);
-    advance_motions(s, v_x, r, delta);
+    advance_motions(s, v_x, r, a_x, delta);
     s->j_rms = push(&s->j, square(c, s->residual[0], s->residual[1]), c->window);
 
     /* Threshold with its start-up term. */
