@@ -258,7 +258,8 @@ fn assert_ordered(design: &Design) {
     let performance = &design.performance;
     let frozen = performance.frozen;
     let certified = performance.certified.unwrap();
-    assert!(frozen.beta_at_least <= frozen.beta && frozen.gamma <= frozen.gamma_at_most);
+    let gamma_at_most = frozen.gamma_at_most.unwrap_or(f64::INFINITY);
+    assert!(frozen.beta_at_least <= frozen.beta && frozen.gamma <= gamma_at_most);
     assert!(certified.beta <= frozen.beta, "{} > {}", certified.beta, frozen.beta);
     assert!(frozen.gamma <= certified.gamma, "{} > {}", frozen.gamma, certified.gamma);
     assert!(certified.gap <= frozen.gap);

@@ -7,6 +7,7 @@ which the wheel stands 1 degree off from 6 s on. Made in tests/commonroad by
 
 import hashlib
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ COMMONROAD = Path(__file__).resolve().parents[1] / "commonroad"
 sys.path.insert(0, str(COMMONROAD))
 
 import judge  # noqa: E402
+from driving import drive  # noqa: E402
 
 RECORDED = COMMONROAD / "recorded"
 DIGESTS = {
@@ -57,3 +59,21 @@ def test_a_degree_in_a_sine_is_found_within_a_quarter_of_a_second(car, model):
     for drive in drives:
         delay = judge.delay(car, drive)
         assert delay is not None and 0 <= delay <= 0.25, drive["degrees"][0]
+
+
+@pytest.mark.parametrize("speed, mass, yaw_inertia, front, rear", [(5.6, 1.1, 0.9, 0.9, 1.1), (17.5, 1.1, 0.9, 1.1, 0.9)])
+def test_a_neutral_car_may_start_sideways_and_be_less_neutral(plant, car, speed, mass, yaw_inertia, front, rear):
+    data = tomllib.loads((RECORDED / "car2.toml").read_text(encoding="utf-8"))["vehicle"]
+    vehicle = {
+        "vehicle.M_v": mass * data["mass_kg"],
+        "vehicle.I_e": mass * data["effective_longitudinal_inertia_kg_m"],
+        "vehicle.I_z": yaw_inertia * data["yaw_inertia_kg_m2"],
+        "vehicle.l_f": data["front_axle_distance_m"],
+        "vehicle.l_r": data["rear_axle_distance_m"],
+        "vehicle.C_f": front * data["front_cornering_stiffness_n_per_rad"],
+        "vehicle.C_r": rear * data["rear_cornering_stiffness_n_per_rad"],
+    }
+    for sideways in (1, -1, 3):
+        records, _ = drive(plant, car, speed, duration=2.0, vehicle=vehicle | {"initial.v_y": sideways})
+        assert not records["alarm"].any(), sideways
+        assert (records["state"] == judge.MONITORING).all()

@@ -11,11 +11,10 @@ import subprocess
 
 import numpy as np
 import pytest
+from driving import PERIOD_S, drive, weave
 from fmu import Fmu
 
-PERIOD_S = 0.01
 MONITORING, OUT_OF_RANGE, INVALID_INPUT, DISABLED = 2, 3, 4, 5
-OUTPUTS = ["alarm", "state", "J_ratio"]
 
 
 @pytest.fixture(scope="module")
@@ -35,37 +34,6 @@ def designed(steerguard, tmp_path_factory):
 @pytest.fixture(scope="module")
 def default(designed):
     return designed("default", "")
-
-
-def weave(speed, lateral, hertz=0.2):
-    """Commanded angle of a weave with a steady lateral acceleration, rad."""
-    angle = lateral * (2.62 / speed**2 + 0.0017)
-    return lambda t: angle * np.sin(2 * np.pi * hertz * t) if t > 1 else 0.0
-
-
-def drive(plant, detector, speed, *, steering=lambda t: 0.0, told=lambda t, told: told, fault=lambda t: 0.0,
-          moment=lambda t: 0.0, turned=lambda angle: angle, duration=10.0, parameters=None):  # fmt: skip
-    """Runs both FMUs. `told` changes what the detector is told at t; `turned` is the wheel's angle for the commanded
-    one; `moment` a yaw moment, N m. Returns the records by name, and the detector's messages."""
-    with plant.instance() as vehicle, detector.instance() as monitor:
-        noise = {"noise.v_x": 0.02, "noise.r": 0.002, "noise.seed": 7, "noise.sample_period": PERIOD_S}
-        vehicle.initialise({"initial.v_x": speed} | noise)
-        monitor.initialise(parameters)
-        data = vehicle.get(["vehicle.I_e", "vehicle.C_x"])
-        rows = []
-        for k in range(round(duration / PERIOD_S)):
-            t = k * PERIOD_S
-            y = vehicle.get(["v_x", "r"])
-            torque = data["vehicle.C_x"] * speed**2 + data["vehicle.I_e"] * (speed - y["v_x"])
-            u = {"u.T_eng": torque, "u.delta": steering(t)}
-            monitor.set(told(t, y | u))
-            wheel = {"u.T_eng": torque, "u.delta": turned(steering(t)), "fault": fault(t)}
-            vehicle.set(wheel | {"disturbance.yaw_moment": moment(t)})
-            monitor.doStep(t, PERIOD_S)
-            vehicle.doStep(t, PERIOD_S)
-            rows.append({"time": t} | monitor.get(OUTPUTS))
-        texts = [text for _, _, text in monitor.messages]
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}, texts
 
 
 def mentioning(texts, *parts):

@@ -63,6 +63,11 @@ impl OperatingPoint {
         Self::at_speeds(model, spread(model.range.v_x, SPEEDS))
     }
 
+    /// Straight ahead at speeds over S_x.
+    pub fn straight(model: &TsModel) -> impl Iterator<Item = Self> {
+        spread(model.range.v_x, SPEEDS).map(|v_x| Self::new(model, [v_x, 0.0, 0.0]))
+    }
+
     /// A coarser one, its corners included: lowest and highest speed and that of the mean 1/v_x.
     pub fn coarse_grid(model: &TsModel) -> Vec<Self> {
         let Interval { min, max } = model.range.v_x;

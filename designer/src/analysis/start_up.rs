@@ -11,15 +11,23 @@
 //! give `||W_r r_j||^2 <= e_j' P e_j <= tau^(2 j) v_y^2 max_i [0 1 0] P_i [0 1 0]'`. The smallest such
 //! bound for a given tau is a semidefinite programme.
 //!
+//! It speaks of the vehicle as specified. Another one answers v_y with other forces, and where the yaw rate
+//! of the specified one does not depend on v_y at all (neutral steer), its bound is next to nothing while that
+//! of the others is not. The term therefore is at least J of the vehicles that are possible, until that is
+//! negligible: P and the amplitude's square are multiplied by one factor, which leaves the inequalities true.
+//!
 //! # Conventions
 //! - Programme and check measure e_2 in units of s, with which N is balanced: `N' = T^-1 N T`,
 //!   `P' = T P T`, T = diag(1, s, 1), a congruence of the inequalities. Gains with large E_22 would
 //!   otherwise make rounding larger than any margin. P_i are stored in SI.
 
-use steerguard_detector::{C, Evaluation, RULES, StartUp};
+use nalgebra::{Matrix3, Vector3};
+use steerguard_detector::{C, Evaluation, Gains, RULES, StartUp, TsModel, Vehicle, VehicleState};
 
 use crate::analysis::certificate::{ErrorDynamics, Margin};
-use crate::analysis::operating_point::{self, spectral_radius, square};
+use crate::analysis::operating_point::{
+    self, FrozenError, OperatingPoint, fixed, spectral_radius, square,
+};
 use crate::lmi::affine::{Affine, Variables};
 use crate::lmi::matrix::{Matrix, matrix};
 use crate::lmi::solve::minimise;
@@ -35,6 +43,8 @@ const UNITS: [f64; 5] = [1.0, 0.125, 8.0, 0.015625, 64.0];
 const ROUNDED_UP: f64 = 1.0 + 16.0 * f64::EPSILON;
 /// Longest start-up considered, samples.
 const LONGEST: u32 = 100_000;
+/// Windows for which J of other vehicles is followed: what lasts longer is no matter of the start.
+const WINDOWS: usize = 10;
 
 /// A bound on the start-up residual, checked apart from the solver.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,14 +59,48 @@ pub struct StartUpBound {
     pub margin: Margin,
 }
 
+/// The largest J of `vehicles` at the samples after a start at the lateral speed `v_y`, straight ahead at
+/// constant speeds over the model's range.
+pub fn of_vehicles(
+    vehicles: &[Vehicle],
+    model: &TsModel,
+    gains: &Gains,
+    evaluation: &Evaluation,
+    v_y: f64,
+) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; WINDOWS * evaluation.window];
+    for point in OperatingPoint::straight(model) {
+        let error = FrozenError::new(&point, gains, evaluation.weights);
+        for vehicle in vehicles {
+            let jacobian = fixed(&vehicle.jacobian(VehicleState::from(point.state)));
+            let step: Matrix3<f64> = (jacobian * model.sampling_period_s).exp();
+            let mut x = Vector3::new(0.0, v_y, 0.0);
+            let mut e = x;
+            let mut squares = Vec::with_capacity(largest.len());
+            for largest in &mut largest {
+                squares.push((error.output * e).norm_squared());
+                let first = squares.len().saturating_sub(evaluation.window);
+                let mean = squares[first..].iter().sum::<f64>() / evaluation.window as f64;
+                *largest = largest.max(mean.sqrt());
+                let next = step * x;
+                e = error.n * e + error.m * (next - point.a * x);
+                x = next;
+            }
+        }
+    }
+    largest
+}
+
 /// The bound whose term of the threshold sinks below `negligible` soonest, among decay rates up to
-/// `slowest`; `evaluation` gives window and weights, `v_y` the largest lateral speed at the start.
+/// `slowest`; `evaluation` gives window and weights, `v_y` the largest lateral speed at the start. The term
+/// is no less than `at_least`, J at the samples after a start, where that is not negligible.
 /// None where no decay rate has a bound that passes its check.
 pub fn bound(
     dynamics: &ErrorDynamics,
     slowest: f64,
     evaluation: &Evaluation,
     v_y: f64,
+    at_least: &[f64],
     negligible: f64,
 ) -> Option<StartUpBound> {
     let radius = dynamics.iter().flatten().map(|n| spectral_radius(&square(n))).fold(0.0, f64::max);
@@ -66,9 +110,30 @@ pub fn bound(
     let s = balance(dynamics);
     let bounds = rates.filter_map(|decay| {
         let at = |factor: f64| bound_at(dynamics, decay, evaluation.weights, v_y, factor * s);
-        UNITS.into_iter().find_map(at)
+        let bound = UNITS.into_iter().find_map(at)?;
+        Some(bound.raised_to(at_least, negligible, evaluation))
     });
     bounds.min_by_key(|bound| samples_until(negligible, bound, evaluation))
+}
+
+impl StartUpBound {
+    /// The bound with a term of at least J = `at_least` at the samples after a start, where that is not
+    /// negligible.
+    fn raised_to(self, at_least: &[f64], negligible: f64, evaluation: &Evaluation) -> Self {
+        let unit =
+            Evaluation { start_up_amplitude: 1.0, start_up_decay: self.decay, ..*evaluation };
+        let mut term = StartUp::RESTARTED;
+        let of_term = at_least.iter().map(|&j| {
+            let term = term.next(&unit);
+            if j > negligible { j / term } else { 0.0 }
+        });
+        let amplitude = of_term.fold(self.amplitude, f64::max);
+        if amplitude == self.amplitude {
+            return self;
+        }
+        let factor = amplitude / self.amplitude;
+        Self { amplitude: amplitude * ROUNDED_UP, p: self.p.map(|p| p * (factor * factor)), ..self }
+    }
 }
 
 /// Samples until the start-up term stays below `negligible`.

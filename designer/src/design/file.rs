@@ -275,8 +275,8 @@ pub struct FrozenRecord {
     pub beta_at_least: f64,
     /// Largest gain from the disturbances over their band, per unit of the first.
     pub gamma: f64,
-    /// What lies between the frequencies of the grid included.
-    pub gamma_at_most: f64,
+    /// What lies between the frequencies of the grid included; null: the grid is too coarse for a bound.
+    pub gamma_at_most: Option<f64>,
     /// `beta / gamma`, each channel in units of its smallest fault and of its bound.
     pub gap: f64,
 }
@@ -286,6 +286,7 @@ impl FrozenRecord {
     pub fn new(frozen: Frozen, smallest_fault: f64, bound: f64) -> Self {
         let Frozen { beta, beta_at_least, gamma, gamma_at_most } = frozen;
         let gap = beta * smallest_fault / (gamma * bound);
+        let gamma_at_most = gamma_at_most.is_finite().then_some(gamma_at_most);
         Self { beta, beta_at_least, gamma, gamma_at_most, gap }
     }
 }

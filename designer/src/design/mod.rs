@@ -24,7 +24,7 @@ use crate::problem::model;
 use crate::progress::Step;
 use crate::search::{SearchRecord, search};
 use crate::sight::{Sight, sight};
-use crate::spec::{MethodName, Spec};
+use crate::spec::{MethodName, Spec, ThresholdKind};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
@@ -391,17 +391,27 @@ fn evaluate(
         debounce_samples: e.debounce_samples,
         alarm_hold_s: e.alarm_hold_s,
     };
+    let model = model::model(spec);
+    let v_y = spec.operating_range.range().v_y.magnitude();
+    let of_uncertain = match e.threshold {
+        ThresholdKind::Adaptive => {
+            let vehicles: Vec<_> = spec.uncertainty.corners(&spec.vehicle).collect();
+            start_up::of_vehicles(&vehicles, &model, &gains.gains, &without_threshold, v_y)
+        }
+        _ => Vec::new(),
+    };
     let bound = start_up::bound(
         &error_dynamics(theorem, gains),
         theorem.decay,
         &without_threshold,
-        spec.operating_range.range().v_y.magnitude(),
+        v_y,
+        &of_uncertain,
         NEGLIGIBLE * smallest_fault_residual,
     )
     .ok_or(DesignError::StartUp)?;
 
     let configuration = Configuration {
-        model: model::model(spec),
+        model,
         hysteresis: spec.operating_range.hysteresis(),
         gains: gains.gains,
         evaluation: Evaluation {

@@ -4,7 +4,7 @@
 //! Parameters lie within [min, max], percent off the value in `[vehicle]`.
 
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{Gust, Uncertainty};
+use steerguard_detector::{Gust, Uncertainty, Vehicle};
 use steerguard_world::bank_m_per_s2;
 
 use super::ActuatorTable;
@@ -106,6 +106,31 @@ impl UncertaintyTable {
             self.front_cornering_stiffness_percent,
             self.rear_cornering_stiffness_percent,
         ]
+    }
+
+    /// The vehicle with its parameters times `factors`: mass (and I_e with it), yaw inertia, front and rear
+    /// stiffness.
+    pub(crate) fn vehicle(nominal: &Vehicle, factors: [f64; 4]) -> Vehicle {
+        let [mass, yaw_inertia, front, rear] = factors;
+        Vehicle {
+            mass_kg: mass * nominal.mass_kg,
+            effective_longitudinal_inertia_kg_m: mass * nominal.effective_longitudinal_inertia_kg_m,
+            yaw_inertia_kg_m2: yaw_inertia * nominal.yaw_inertia_kg_m2,
+            front_cornering_stiffness_n_per_rad: front
+                * nominal.front_cornering_stiffness_n_per_rad,
+            rear_cornering_stiffness_n_per_rad: rear * nominal.rear_cornering_stiffness_n_per_rad,
+            ..*nominal
+        }
+    }
+
+    /// The vehicles at the corners of the parameters' intervals.
+    pub(crate) fn corners(&self, nominal: &Vehicle) -> impl Iterator<Item = Vehicle> {
+        let intervals = self.intervals_percent();
+        let parameters = intervals.len();
+        (0..1_usize << parameters).map(move |corner| {
+            let end = |parameter: usize| intervals[parameter][corner >> parameter & 1];
+            Self::vehicle(nominal, std::array::from_fn(|parameter| 1.0 + end(parameter) / 100.0))
+        })
     }
 
     /// Whether vehicles may have tyres that saturate: friction that no vehicle reaches is none.

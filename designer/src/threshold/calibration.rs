@@ -19,7 +19,7 @@ use steerguard_world::{
 };
 
 use crate::simulation::{Acting, Simulation, Surroundings, plus};
-use crate::spec::{Manoeuvre, Spec};
+use crate::spec::{Manoeuvre, Spec, UncertaintyTable};
 
 /// Drives between two reports of progress.
 const DRIVES_AT_A_TIME: usize = 128;
@@ -264,20 +264,11 @@ fn drawn(spec: &Spec, index: usize) -> Surroundings {
     let mut numbers = 0..;
     let mut between = |interval| stream.uniform(numbers.next().unwrap_or_default(), interval);
     let uncertainty = &spec.uncertainty;
-    let [mass, yaw_inertia, front, rear] =
-        uncertainty.intervals_percent().map(|interval| 1.0 + between(interval) / 100.0);
-    let v = &spec.vehicle;
+    let factors = uncertainty.intervals_percent().map(|interval| 1.0 + between(interval) / 100.0);
+    let vehicle = UncertaintyTable::vehicle(&spec.vehicle, factors);
     let (bank_deg, action) = (uncertainty.bank_deg, uncertainty.gust());
     let fastest = action.speed_m_per_s;
     let actuator = spec.actuator.actuator();
-    let vehicle = Vehicle {
-        mass_kg: mass * v.mass_kg,
-        effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
-        yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
-        front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
-        rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
-        ..*v
-    };
     let actuator = Actuator {
         lag_s: actuator.lag_s + between([0.0, uncertainty.actuator_lag_s]),
         delay_s: actuator.delay_s + between([0.0, uncertainty.actuator_delay_s]),

@@ -218,7 +218,9 @@ fn figures(key: &str, frozen: &Frozen, smallest_fault: f64, bound: f64) -> Resul
     let gap = frozen.beta * smallest_fault / (frozen.gamma * bound);
     near(&format!("{key}.gap"), frozen.gap, gap)?;
     at_most(&format!("{key}.beta_at_least"), frozen.beta_at_least, frozen.beta)?;
-    at_most(&format!("{key}.gamma"), frozen.gamma, frozen.gamma_at_most)
+    // Without a bound between the frequencies there is none to keep.
+    let Some(bound) = frozen.gamma_at_most else { return Ok(()) };
+    at_most(&format!("{key}.gamma"), frozen.gamma, bound)
 }
 
 /// `beta x smallest fault / sqrt((gamma x bound)^2 + noise_rms^2)`.

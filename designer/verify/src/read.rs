@@ -465,7 +465,7 @@ pub struct Frozen {
     pub beta: f64,
     pub beta_at_least: f64,
     pub gamma: f64,
-    pub gamma_at_most: f64,
+    pub gamma_at_most: Option<f64>,
     pub gap: f64,
 }
 

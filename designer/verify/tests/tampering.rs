@@ -543,6 +543,16 @@ fn frozen_figures_are_those_of_the_gains() {
     assert_eq!(key, "performance.other_faults[0].frozen.beta");
 }
 
+/// Null where the grid of frequencies is too coarse for it.
+#[test]
+fn a_bound_on_gamma_between_the_frequencies_may_be_missing_but_not_wrong() {
+    let bound = "/performance/frozen/gamma_at_most";
+    assert!(replaced(bound, Value::Null).is_ok());
+    let wrong = changed(&[bound], |gamma| 0.5 * gamma);
+    let Err(Refusal::Disagreement { key, .. }) = wrong else { panic!("{wrong:?}") };
+    assert_eq!(key, "performance.frozen.gamma");
+}
+
 /// A design that says that it is not certified claims no figures.
 #[test]
 fn uncertified_designs_are_accepted_as_such() {
