@@ -59,8 +59,8 @@ pub enum ThresholdError {
     },
     /// Nothing to calibrate from.
     #[error(
-        "the detector monitored no sample of the calibration's drives: every one left the \
-         operating range"
+        "the detector monitored no sample of the calibration's drives past its start-up: every one left \
+         the operating range, or is too short: lengthen evaluation.calibration.duration_s"
     )]
     Calibration,
     /// The detector refuses the numbers found.
@@ -167,7 +167,9 @@ fn largest(
     let of = drives.len();
     progress(Step::Calibration { done: 0, of });
     let mut count = |done| progress(Step::Calibration { done, of });
+    // Within the start-up J may stay below the term that covers it.
     calibrate(spec, configuration, &drives, population, &mut count)?
+        .filter(|level| level.level > 0.0)
         .ok_or(ThresholdError::Calibration)
 }
 

@@ -28,7 +28,7 @@ pub fn designed_with_few_drives(mut spec: Spec) -> Result<Design, DesignError> {
         disturbance_frequencies: 1,
         disturbance_phases: 1,
         initial_v_y_m_per_s: Some(vec![0.0]),
-        duration_s: 2.0,
+        duration_s: 4.0,
         ..Calibration::default()
     };
     designed(&spec)
