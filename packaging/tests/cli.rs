@@ -21,7 +21,7 @@ lateral_acceleration_m_per_s2 = [1.0]
 disturbance_frequencies = 1
 disturbance_phases = 1
 initial_v_y_m_per_s = [0.0]
-duration_s = 2.0
+duration_s = 4.0
 ";
 
 /// A folder with `spec.toml` and its `design.json`.
