@@ -50,7 +50,7 @@ struct Coefficients {
 }
 
 impl Coefficients {
-    fn of(vehicle: &Vehicle, front_factor: f64, rear_factor: f64) -> Self {
+    fn of(vehicle: &Vehicle, [front_factor, rear_factor]: [f64; 2]) -> Self {
         let v = vehicle;
         let (m, i_z) = (v.mass_kg, v.yaw_inertia_kg_m2);
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
@@ -67,11 +67,13 @@ impl Coefficients {
 /// The vehicles whose motions are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct References {
-    motions: [Coefficients; MOTIONS],
+    vehicle: Vehicle,
+    /// Of the stiffnesses, front and rear, motion by motion.
+    factors: [[f64; 2]; MOTIONS],
     /// The first of them differ.
     pub(crate) distinct: usize,
-    /// The critical speed of the worst vehicle stated, m/s; none where none oversteers.
-    critical_m_per_s: Option<f64>,
+    /// M / M' of the heaviest vehicle stated.
+    lightness: f64,
     period_s: f64,
 }
 
@@ -79,41 +81,43 @@ impl References {
     /// Those of a vehicle with relative uncertainties of its front and rear stiffness and its mass.
     pub(crate) fn new(vehicle: &Vehicle, [c_f, c_r]: [f64; 2], mass: f64, period_s: f64) -> Self {
         let softest = |c: f64| (1.0 - c).max(0.1);
-        let factors = [(1.0, 1.0), (1.0 + c_f, softest(c_r)), (softest(c_f), 1.0 + c_r)];
         Self {
-            motions: factors.map(|(front, rear)| Coefficients::of(vehicle, front, rear)),
+            vehicle: *vehicle,
+            factors: [[1.0, 1.0], [1.0 + c_f, softest(c_r)], [softest(c_f), 1.0 + c_r]],
             distinct: if c_f > 0.0 || c_r > 0.0 { MOTIONS } else { 1 },
             // M' = M / (1 - mass).
-            critical_m_per_s: critical_speed(
-                vehicle,
-                [1.0 + c_f, softest(c_r)],
-                (1.0 - mass).max(0.1),
-            ),
+            lightness: (1.0 - mass).max(0.1),
             period_s,
         }
     }
 
-    /// How fast motions are drawn to the measured yaw rate at a speed, 1/s.
-    fn draw_per_s(&self, v_x: f64) -> f64 {
-        self.critical_m_per_s.map_or(0.0, |critical| {
+    /// How fast motions are drawn to the measured yaw rate at a speed, 1/s, where load has multiplied the
+    /// stiffnesses of the axles.
+    fn draw_per_s(&self, v_x: f64, [front, rear]: [f64; 2]) -> f64 {
+        let [_, [stiff, soft], _] = self.factors;
+        let worst = critical_speed(&self.vehicle, [stiff * front, soft * rear], self.lightness);
+        worst.map_or(0.0, |critical| {
             let share = (v_x / critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
             DRAW_PER_S * share.clamp(0.0, 1.0)
         })
     }
 
-    /// Takes the motions on by a sample, from speed v_x > 0 in m/s, measured yaw rate in rad/s and angle
-    /// at the road wheel in rad.
+    /// Takes the motions on by a sample, from speed v_x > 0 in m/s, measured yaw rate in rad/s, angle at the
+    /// road wheel in rad and longitudinal acceleration in m/s^2, with which the axles' stiffnesses go.
     pub(crate) fn advance(
         &self,
         motions: &mut [ReferenceMotion; MOTIONS],
         v_x: f64,
         r: f64,
         delta_rad: f64,
+        a_x: f64,
     ) {
         let half = 0.5 * self.period_s;
-        let draw = self.draw_per_s(v_x);
-        for (motion, coefficients) in motions.iter_mut().zip(&self.motions).take(self.distinct) {
-            let Coefficients { lateral, yaw } = coefficients;
+        let loaded = self.vehicle.load_factors(a_x);
+        let draw = self.draw_per_s(v_x, loaded);
+        for (motion, factors) in motions.iter_mut().zip(&self.factors).take(self.distinct) {
+            let factors = [factors[0] * loaded[0], factors[1] * loaded[1]];
+            let Coefficients { lateral, yaw } = Coefficients::of(&self.vehicle, factors);
             // x' = A x + b over half a period, on both sides of (I - A) x+ = (I + A) x + 2 b.
             let a_11 = half * lateral[0] / v_x;
             let a_12 = half * (lateral[1] / v_x - v_x);

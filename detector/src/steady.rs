@@ -43,7 +43,7 @@ pub fn steady_response(
     let mut responses = Responses::NONE;
     for _ in 0..samples {
         responses.advance(&standing, deviations, &observer, &n, &l, &place);
-        references.advance(&mut place.motions, v_x_m_per_s, r_rad_per_s, u.delta_rad);
+        references.advance(&mut place.motions, v_x_m_per_s, r_rad_per_s, u.delta_rad, 0.0);
     }
     SteadyResponse {
         by_cause: responses.levels_by_cause(deviations, &observer, evaluation, v_x_m_per_s),

@@ -129,6 +129,13 @@ impl Vehicle {
         [front, weight - front]
     }
 
+    /// Those loads as multiples of the static ones, `[front, rear]`.
+    pub fn load_factors(&self, a_x: f64) -> [f64; 2] {
+        let ([front, rear], [static_front, static_rear]) =
+            (self.axle_loads_n(a_x), self.axle_loads_n(0.0));
+        [front / static_front, rear / static_rear]
+    }
+
     /// What the transfer of axle load at the longitudinal acceleration `a_x` in m/s^2 adds to `dx/dt`, in
     /// m/s^2, m/s^2, rad/s^2, where cornering stiffness is in proportion to load and tyres at the static
     /// load have the `[front, rear]` axle forces in N. Method 2.
