@@ -1,10 +1,10 @@
-"""Drives the packaged FMU with recordings of CommonRoad's vehicles, and with sines in which the wheel slips.
+"""Drives the packaged FMU with recordings of CommonRoad's vehicles: varied driving, and sines with a bias of the wheel.
 
-    judge.py --steerguard COMMAND --recordings FOLDER [--cars 1 2 3] [--sines]
+    judge.py --steerguard COMMAND RECORDINGS
 
-For each car three designs: as specified, with C_f -5 % and C_r +5 % in the specification, and the reverse. Fault-free
-drives: alarms, share of the time monitored, largest J/J_th. Sines of 0.3 Hz at 8 to 28 m/s and 0.5 to 4 m/s^2: delay of
-a bias of 1, 0.5 and 0.25 degrees, which comes at 6 s and stays for 4 s.
+RECORDINGS is a folder that record.py has filled. For each car in it three designs: as specified, with C_f -5 % and C_r +5 % in
+the specification, and the reverse. Varied driving: alarms, share of the time monitored, largest J/J_th. Sines: the worst
+delay by size of the bias and lateral acceleration, over speeds, signs and models, and how many of them were missed.
 
 Conventions: noise 0.02 m/s and 0.002 rad/s, white, seed 1; delays are sample times.
 """
@@ -13,46 +13,30 @@ import argparse
 import subprocess
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
 
 sys.path.append(str(Path(__file__).parents[1] / "python"))
-from fmu import Fmu  # noqa: E402
-from record import CARS, PERIOD_S, drive  # noqa: E402
+from fmu import Fmu
 
+PERIOD_S = 0.01
 MONITORING = 2
-MODELS = ["st", "std", "mb"]
-NOISE = np.array([0.02, 0.002])
-GRAVITY_M_PER_S2 = 9.81  # CommonRoad's
-ONSET_S, END_S = 6.0, 10.0
+SIGNALS = ["v_x", "r", "u.T_eng", "u.delta"]
+NOISE = {"v_x": 0.02, "r": 0.002}
+SINE_S, ONSET_S = 10.0, 6.0
 # C_f, C_r of the specification over those of the car.
 ERRORS = {"as specified": (1.0, 1.0), "C_f -5 %, C_r +5 %": (0.95, 1.05), "C_f +5 %, C_r -5 %": (1.05, 0.95)}
-# Heights of the centre of gravity, m.
-HEIGHTS_M = {1: 0.558, 2: 0.575, 3: 0.748}
 
 
-def specification(car, front=1.0, rear=1.0):
-    """The TOML text of a car: stiffness mu C_S F_z / 2 of a tyre at the static load."""
-    p = CARS[car]()
-    # mu C_S = -p_ky1 for one tyre of an axle that carries M g l / L.
-    stiffness = -p.tire.p_ky1 * p.m * GRAVITY_M_PER_S2 / (p.a + p.b) / 2
-    return f"""
-[vehicle]
-mass_kg = {p.m}
-yaw_inertia_kg_m2 = {p.I_z}
-effective_longitudinal_inertia_kg_m = {p.m}
-front_axle_distance_m = {p.a}
-rear_axle_distance_m = {p.b}
-front_cornering_stiffness_n_per_rad = {front * stiffness * p.b}
-rear_cornering_stiffness_n_per_rad = {rear * stiffness * p.a}
-centre_of_gravity_height_m = {HEIGHTS_M[car]}
-"""
-
-
-def detector(steerguard, text, folder):
-    """The packaged detector of a specification."""
+def detector(steerguard, specification, folder, front=1.0, rear=1.0):
+    """The packaged detector of a car whose specification is wrong by factors in C_f and C_r."""
+    vehicle = tomllib.loads(specification.read_text(encoding="utf-8"))["vehicle"]
+    vehicle["front_cornering_stiffness_n_per_rad"] *= front
+    vehicle["rear_cornering_stiffness_n_per_rad"] *= rear
+    text = "".join(f"vehicle.{key} = {value}\n" for key, value in vehicle.items())
     folder.mkdir()
     (folder / "car.toml").write_text(text, encoding="utf-8")
     for command in (["design", "car.toml", "-o", "design.json"], ["package", "design.json", "-o", "detector.fmu"]):
@@ -60,74 +44,81 @@ def detector(steerguard, text, folder):
     return Fmu(folder / "detector.fmu", folder / "unzipped")
 
 
-def watch(fmu, signals, seed=1):
-    """Alarm, state and J/J_th over the samples of `signals`, n x 4: v_x, r, T_eng, delta without noise."""
-    measured = signals[:, :2] + NOISE * np.random.default_rng(seed).standard_normal((len(signals), 2))
-    inputs = dict(zip(["v_x", "r", "u.T_eng", "u.delta"], np.hstack([measured, signals[:, 2:]]).T.tolist(), strict=True))
+def read(path):
+    """Columns of a recording, by name."""
+    table = pq.read_table(path)
+    return {name: table[name].to_numpy().astype(float) for name in table.column_names}
+
+
+def watch(fmu, columns, seed=1):
+    """Alarm, state and J/J_th in every sample of a drive, to which noise is added."""
+    draw = np.random.default_rng(seed)
+    inputs = {name: columns[name] + NOISE.get(name, 0.0) * draw.standard_normal(len(columns[name])) for name in SIGNALS}
     with fmu.instance() as instance:
         instance.initialise()
-        return instance.record(inputs, ["alarm", "state", "J_ratio"], PERIOD_S)
+        return instance.record(
+            {n: values.tolist() for n, values in inputs.items()}, ["alarm", "state", "J_ratio"], PERIOD_S
+        )
 
 
-class Sine:
-    """A plan of a sine of 0.3 Hz at one speed and lateral acceleration."""
-
-    def __init__(self, speed, lateral, wheelbase):
-        t = np.arange(0, END_S, PERIOD_S)
-        self.speed = np.full(len(t), speed)
-        self.steering = lateral * wheelbase / speed**2 * np.sin(2 * np.pi * 0.3 * t) * np.clip(t, 0, 1)
+def episodes(alarm):
+    return np.count_nonzero(np.diff(alarm.astype(int), prepend=0) > 0)
 
 
-def delay(fmu, model, parameters, plan, degrees):
-    """From onset to alarm, s; None if missed; negative for a false alarm."""
-    t = np.arange(len(plan.speed)) * PERIOD_S
-    signals = drive(model, parameters, plan, np.radians(degrees) * (t >= ONSET_S))
-    alarms = np.flatnonzero(watch(fmu, signals)["alarm"])
-    return None if len(alarms) == 0 else t[alarms[0]] - ONSET_S
+def sines(columns):
+    """The drives of a recording of sines, one after the other: columns of each."""
+    samples = round(SINE_S / PERIOD_S)
+    for start in range(0, len(columns["v_x"]), samples):
+        yield {name: values[start : start + samples] for name, values in columns.items()}
+
+
+def delay(fmu, columns):
+    """From onset to alarm in a sine, s; None if missed; negative for a false alarm."""
+    alarms = np.flatnonzero(watch(fmu, columns)["alarm"])
+    return None if len(alarms) == 0 else (alarms[0] - round(ONSET_S / PERIOD_S)) * PERIOD_S
+
+
+def judge_drive(fmu, path, title):
+    """Prints what the detector makes of varied driving."""
+    seen = watch(fmu, read(path))
+    monitored = seen["state"] == MONITORING
+    print(f"{title}: {len(monitored) * PERIOD_S / 60:.1f} min, {episodes(seen['alarm'])} alarms, "
+          f"monitored {100 * monitored.mean():.1f} %, largest J/J_th {seen['J_ratio'][monitored].max():.2f}",
+          flush=True)  # fmt: skip
+
+
+def judge_sines(fmu, paths, title):
+    """Prints the worst delay by size and lateral acceleration."""
+    delays = {}
+    for path in paths:
+        for sine in sines(read(path)):
+            kind = abs(sine["degrees"][0]), sine["lateral"][0]
+            delays.setdefault(kind, []).append(delay(fmu, sine))
+    for (degrees, lateral), seen in sorted(delays.items(), key=lambda item: (-item[0][0], item[0][1])):
+        found = [x for x in seen if x is not None and x >= 0]
+        missed, false = seen.count(None), len(seen) - seen.count(None) - len(found)
+        worst = f"{max(found):.2f} s" if found else "-"
+        print(f"{title}: {degrees} deg, {lateral:.1f} m/s^2: worst delay {worst}, missed {missed}, false {false}, "
+              f"of {len(seen)}", flush=True)  # fmt: skip
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steerguard", type=Path, required=True)
-    parser.add_argument("--recordings", type=Path, required=True)
-    parser.add_argument("--cars", type=int, nargs="+", default=[1, 2, 3], choices=CARS)
-    parser.add_argument("--sines", action="store_true")
+    parser.add_argument("recordings", type=Path)
     a = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        for car in a.cars:
+        for specification in sorted(a.recordings.glob("car*.toml")):
+            car = specification.stem
+            paths = sorted(a.recordings.glob(f"{car}_*.parquet"))
+            of_sines = [path for path in paths if path.stem.endswith("sines")]
             for error, factors in ERRORS.items():
                 place = Path(folder) / f"{car}-{factors[0]}"
-                fmu = detector(a.steerguard.resolve(), specification(car, *factors), place)
-                for model in MODELS:
-                    table = pq.read_table(a.recordings / f"car{car}_{model}.parquet")
-                    signals = np.stack([column.to_numpy().astype(float) for column in table.columns], axis=1)
-                    seen = watch(fmu, signals)
-                    monitored = seen["state"] == MONITORING
-                    episodes = np.count_nonzero(np.diff(seen["alarm"].astype(int), prepend=0) > 0)
-                    print(f"car {car}, {error}, {model}: {len(signals) * PERIOD_S / 60:.1f} min, {episodes} alarms, "
-                          f"monitored {100 * monitored.mean():.1f} %, "
-                          f"largest J/J_th {seen['J_ratio'][monitored].max():.2f}", flush=True)  # fmt: skip
-                if a.sines and factors == (1.0, 1.0):
-                    judge_sines(fmu, car)
-
-
-def judge_sines(fmu, car):
-    """Prints the worst delay by size and lateral acceleration, over speeds, signs and models."""
-    parameters = CARS[car]()
-    for degrees in (1.0, 0.5, 0.25):
-        for lateral in (0.5, 1.0, 2.0, 3.0, 4.0):
-            delays = [
-                delay(fmu, model, parameters, Sine(speed, lateral, parameters.a + parameters.b), sign * degrees)
-                for speed in (8.0, 13.0, 18.0, 23.0, 28.0)
-                for sign in (1, -1)
-                for model in ("st", "std")
-            ]
-            missed = sum(x is None for x in delays)
-            false = sum(x is not None and x < 0 for x in delays)
-            found = [x for x in delays if x is not None and x >= 0]
-            worst = f"{max(found):.2f} s" if found else "-"
-            print(f"car {car}, {degrees} deg, {lateral} m/s^2: worst delay {worst}, missed {missed}, false {false}, "
-                  f"of {len(delays)}", flush=True)  # fmt: skip
+                fmu = detector(a.steerguard.resolve(), specification, place, *factors)
+                for path in paths:
+                    if path not in of_sines:
+                        judge_drive(fmu, path, f"{path.stem}, {error}")
+                judge_sines(fmu, of_sines, f"{car}, {error}")
 
 
 if __name__ == "__main__":
