@@ -6,6 +6,8 @@
 //! - Three kinds: what is known, Euler's remainder and the transfer of axle load, which is taken out of the
 //!   residual; uncertainties, known by their bounds, which raise the threshold; the smallest fault of
 //!   interest, which says what the threshold still lets through. method 6.
+//! - The threshold takes a share of what uncertainties can do, found from drives at constant speed. While the
+//!   speed changes they count in full, from [`CHANGING_M_PER_S2`] on.
 //! - A slope d that acts over a whole period adds `(I + T_s J / 2) T_s d`, J the model's Jacobian: the
 //!   vehicle has moved on by it when the period ends.
 
@@ -15,6 +17,11 @@ use serde::{Deserialize, Serialize};
 use crate::algebra::{product, sum};
 use crate::reference::{MOTIONS, ReferenceMotion, References};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
+
+/// Longitudinal acceleration up to which the speed counts as constant, which its noise does not exceed, and
+/// from which on as changing, m/s^2.
+const CONSTANT_M_PER_S2: f64 = 0.3;
+const CHANGING_M_PER_S2: f64 = 1.0;
 
 /// What is not known of vehicle, road, air and sensors: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -345,6 +352,8 @@ pub(crate) struct Standing {
     curves: bool,
     /// Static loads of the axles, N.
     axle_loads_n: [f64; 2],
+    /// What makes the share of the uncertainties that the threshold takes a whole, less 1; not negative.
+    missing: f64,
 }
 
 impl Standing {
@@ -366,7 +375,14 @@ impl Standing {
             curves: deviations.euler_correction
                 || acting.iter().skip(ALONG + COMMON).any(|&acts| acts),
             axle_loads_n: vehicle.axle_loads_n(0.0),
+            missing: if raises { (1.0 / evaluation.uncertainty_share - 1.0).max(0.0) } else { 0.0 },
         }
+    }
+
+    /// What the slopes of uncertainties count for at the longitudinal acceleration `a_x` in m/s^2.
+    fn weight(&self, a_x: f64) -> f64 {
+        let range = CHANGING_M_PER_S2 - CONSTANT_M_PER_S2;
+        1.0 + self.missing * ((magnitude(a_x) - CONSTANT_M_PER_S2) / range).clamp(0.0, 1.0)
     }
 
     /// Of the causes from `first` on.
@@ -516,6 +532,8 @@ impl Responses {
             return;
         }
         let uncertainty = &deviations.uncertainty;
+        let weight = standing.weight(a_x_m_per_s2);
+        let respond = |e: StateVector, slope: StateVector| respond(e, slope.map(|x| weight * x));
         if standing.along {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
             for (responses, motion) in motions {

@@ -9,6 +9,8 @@
 //! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft
 //!   as stated; and the reverse. Near its critical speed a vehicle answers by a multiple of what the model
 //!   says.
+//! - The stiffness of an axle is in proportion to its load, which moves while the speed changes: braking
+//!   lowers the critical speed, even that of a vehicle which steers neutrally at constant speed.
 //! - A motion that is unstable, or might be, is drawn to the measured yaw rate: by [`DRAWN_FROM`] of the
 //!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
 //! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
@@ -40,7 +42,7 @@ impl ReferenceMotion {
     }
 }
 
-/// What of a motion no sample changes: the coefficients of its single-track model.
+/// The coefficients of a motion's single-track model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Coefficients {
     /// Of `dv_y/dt`, by v_y / v_x, r / v_x and delta.
@@ -50,6 +52,7 @@ struct Coefficients {
 }
 
 impl Coefficients {
+    /// Those of `vehicle` with its stiffnesses, front and rear, times these factors.
     fn of(vehicle: &Vehicle, [front_factor, rear_factor]: [f64; 2]) -> Self {
         let v = vehicle;
         let (m, i_z) = (v.mass_kg, v.yaw_inertia_kg_m2);
@@ -116,7 +119,8 @@ impl References {
         let loaded = self.vehicle.load_factors(a_x);
         let draw = self.draw_per_s(v_x, loaded);
         for (motion, factors) in motions.iter_mut().zip(&self.factors).take(self.distinct) {
-            let factors = [factors[0] * loaded[0], factors[1] * loaded[1]];
+            let [front, rear] = factors;
+            let factors = [front * loaded[0], rear * loaded[1]];
             let Coefficients { lateral, yaw } = Coefficients::of(&self.vehicle, factors);
             // x' = A x + b over half a period, on both sides of (I - A) x+ = (I + A) x + 2 b.
             let a_11 = half * lateral[0] / v_x;

@@ -48,6 +48,7 @@ NO_ALARM_TIME = -1.0
 GRAVITY = 9.80665
 ACCELERATION_FILTER_S = 0.15
 DRAWN_FROM, DRAW_PER_S = 0.6, 15.0  # of reference motions, by the critical speed
+CONSTANT, CHANGING = 0.3, 1.0  # longitudinal acceleration of a constant and a changing speed
 RELEASE = 0.8
 
 
@@ -384,14 +385,21 @@ class Reference:
         static = self.mass * GRAVITY / (self.l_f + self.l_r) * np.array([self.l_r, self.l_f])
         return self.by_forces([-front * moved / static[0], rear * moved / static[1]])
 
-    def critical_speed(self):
-        """Of the worst vehicle stated, m/s; inf where none oversteers.
+    def load_factors(self, a_x):
+        """Axle loads over the static ones, [front, rear]: none is negative."""
+        shift = a_x * self.height / GRAVITY
+        wheelbase = self.l_f + self.l_r
+        front = np.clip((self.l_r - shift) / wheelbase, 0, 1)
+        return np.array([front * wheelbase / self.l_r, (1 - front) * wheelbase / self.l_f])
+
+    def critical_speed(self, loaded):
+        """Of the worst vehicle stated, its axles so `loaded`, m/s; inf where none oversteers.
 
         There the linear single-track model has a real root at 0: M' v^2 (C_f l_f - C_r l_r) =
         2 C_f C_r L^2. No bound takes more than nine tenths of stiffness or 1/M' away.
         """
         q = self.uncertainty
-        c_f, c_r = (1 + q.front) * self.c_f, max(1 - q.rear, 0.1) * self.c_r
+        c_f, c_r = loaded * [(1 + q.front) * self.c_f, max(1 - q.rear, 0.1) * self.c_r]
         heaviest = self.mass / max(1 - q.mass, 0.1)
         oversteer = heaviest * (c_f * self.l_f - c_r * self.l_r)
         if oversteer <= 0:
@@ -411,7 +419,7 @@ class Reference:
         """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
         n, t = len(y), self.period
         motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
-        critical, q = self.critical_speed(), self.uncertainty
+        q = self.uncertainty
         c_f, c_r = [1 - min(q.front, 0.9), 1 + q.front], [1 - min(q.rear, 0.9), 1 + q.rear]
         factors = [(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])]
         followed, x, filtered = 0, None, 0.0
@@ -428,8 +436,12 @@ class Reference:
             smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
             a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
             filtered = smoothed
-            share = np.clip((v_x / critical - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
-            for i, (front, rear) in enumerate(factors):
+            loaded = self.load_factors(a_x[k])
+            # At a critical speed of 0, of a rear axle that is lifted, the quotient is inf.
+            with np.errstate(divide="ignore"):
+                near = v_x / self.critical_speed(loaded)
+            share = np.clip((near - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
+            for i, (front, rear) in enumerate(loaded * factors):
                 A, B = self.lateral_model(v_x, front, rear, DRAW_PER_S * share)
                 half = t / 2 * A
                 right = (np.eye(2) + half) @ x[i] + t * B @ [delta[k], r]
@@ -627,12 +639,16 @@ class Reference:
         motions = [[y[0], *motion] for motion in followed.motions[k]]
         along = np.array([self.along(motion, u) for motion in motions])
         common = self.common(x, u[1], behind, transfer)
+        # A share below 1 was found at constant speed.
+        changing = np.clip((abs(followed.a_x[k]) - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
+        missing = max(1 / self.uncertainty_share - 1, 0) if self.uncertainty_share > 0 else 0
+        weight = 1 + missing * changing
         # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
         K = t * J @ self.C.T
         error = self.sensed(y[0])
         response.known = N @ response.known + self.M @ remainder + held @ (t * transfer)
-        response.along = response.along @ N.T + t * along @ held.T
-        response.common = response.common @ N.T + t * common @ held.T
+        response.along = response.along @ N.T + t * weight * along @ held.T
+        response.common = response.common @ N.T + t * weight * common @ held.T
         response.sensed = response.sensed @ N.T - error @ (L + self.M @ K).T
         response.fault = N @ response.fault + held @ self.smallest_fault
 
