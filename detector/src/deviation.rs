@@ -6,8 +6,8 @@
 //! - Three kinds: what is known, Euler's remainder and the transfer of axle load, which is taken out of the
 //!   residual; uncertainties, known by their bounds, which raise the threshold; the smallest fault of
 //!   interest, which says what the threshold still lets through. method 6.
-//! - The threshold takes a share of what uncertainties can do, found from drives at constant speed. While the
-//!   speed changes they count in full, from [`CHANGING_M_PER_S2`] on.
+//! - The threshold takes a share of what uncertainties can do, found from drives at constant speed. While
+//!   the driver changes it they count in full, from [`CHANGING_M_PER_S2`] on.
 //! - A slope d that acts over a whole period adds `(I + T_s J / 2) T_s d`, J the model's Jacobian: the
 //!   vehicle has moved on by it when the period ends.
 
@@ -18,8 +18,7 @@ use crate::algebra::{product, sum};
 use crate::reference::{MOTIONS, ReferenceMotion, References};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
 
-/// Longitudinal acceleration up to which the speed counts as constant, which its noise does not exceed, and
-/// from which on as changing, m/s^2.
+/// Longitudinal acceleration up to which the speed counts as constant, and from which on as changing, m/s^2.
 const CONSTANT_M_PER_S2: f64 = 0.3;
 const CHANGING_M_PER_S2: f64 = 1.0;
 
@@ -379,10 +378,12 @@ impl Standing {
         }
     }
 
-    /// What the slopes of uncertainties count for at the longitudinal acceleration `a_x` in m/s^2.
-    fn weight(&self, a_x: f64) -> f64 {
+    /// What the slopes of uncertainties count for at the longitudinal acceleration `a_x` in m/s^2, and that
+    /// which the drive torque asks for: a fault that slows the vehicle down must not raise the threshold.
+    fn weight(&self, a_x: f64, by_torque: f64) -> f64 {
+        let changing = magnitude(a_x).min(magnitude(by_torque)) - CONSTANT_M_PER_S2;
         let range = CHANGING_M_PER_S2 - CONSTANT_M_PER_S2;
-        1.0 + self.missing * ((magnitude(a_x) - CONSTANT_M_PER_S2) / range).clamp(0.0, 1.0)
+        1.0 + self.missing * (changing / range).clamp(0.0, 1.0)
     }
 
     /// Of the causes from `first` on.
@@ -532,7 +533,9 @@ impl Responses {
             return;
         }
         let uncertainty = &deviations.uncertainty;
-        let weight = standing.weight(a_x_m_per_s2);
+        let by_torque = (u.t_eng_n_m - vehicle.cruise_torque(x.v_x_m_per_s))
+            / vehicle.effective_longitudinal_inertia_kg_m;
+        let weight = standing.weight(a_x_m_per_s2, by_torque);
         let respond = |e: StateVector, slope: StateVector| respond(e, slope.map(|x| weight * x));
         if standing.along {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);

@@ -639,8 +639,10 @@ class Reference:
         motions = [[y[0], *motion] for motion in followed.motions[k]]
         along = np.array([self.along(motion, u) for motion in motions])
         common = self.common(x, u[1], behind, transfer)
-        # A share below 1 was found at constant speed.
-        changing = np.clip((abs(followed.a_x[k]) - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
+        # A share below 1 was found at constant speed; a fault that slows down changes no torque.
+        by_torque = (u[0] - self.c_x * y[0] ** 2) / self.longitudinal_inertia
+        a_x = min(abs(followed.a_x[k]), abs(by_torque))
+        changing = np.clip((a_x - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
         missing = max(1 / self.uncertainty_share - 1, 0) if self.uncertainty_share > 0 else 0
         weight = 1 + missing * changing
         # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
