@@ -460,7 +460,9 @@ impl Detector {
             if self.state.followed > 0 {
                 let Measurement { v_x_m_per_s, r_rad_per_s } = y;
                 let motions = &mut self.state.motions;
-                self.references.advance(motions, v_x_m_per_s, r_rad_per_s, delta_rad, a_x_m_per_s2);
+                let vehicle = &self.observer.model.vehicle;
+                let driven = vehicle.driven_m_per_s2(v_x_m_per_s, u.t_eng_n_m, a_x_m_per_s2);
+                self.references.advance(motions, v_x_m_per_s, r_rad_per_s, delta_rad, driven);
             }
         }
         self.state.sample += 1;

@@ -378,12 +378,11 @@ impl Standing {
         }
     }
 
-    /// What the slopes of uncertainties count for at the longitudinal acceleration `a_x` in m/s^2, and that
-    /// which the drive torque asks for: a fault that slows the vehicle down must not raise the threshold.
-    fn weight(&self, a_x: f64, by_torque: f64) -> f64 {
-        let changing = magnitude(a_x).min(magnitude(by_torque)) - CONSTANT_M_PER_S2;
+    /// What the slopes of uncertainties count for while the driver changes the speed by `driven` m/s^2.
+    fn weight(&self, driven: f64) -> f64 {
         let range = CHANGING_M_PER_S2 - CONSTANT_M_PER_S2;
-        1.0 + self.missing * (changing / range).clamp(0.0, 1.0)
+        let changing = (magnitude(driven) - CONSTANT_M_PER_S2) / range;
+        1.0 + self.missing * changing.clamp(0.0, 1.0)
     }
 
     /// Of the causes from `first` on.
@@ -533,9 +532,8 @@ impl Responses {
             return;
         }
         let uncertainty = &deviations.uncertainty;
-        let by_torque = (u.t_eng_n_m - vehicle.cruise_torque(x.v_x_m_per_s))
-            / vehicle.effective_longitudinal_inertia_kg_m;
-        let weight = standing.weight(a_x_m_per_s2, by_torque);
+        let driven = vehicle.driven_m_per_s2(x.v_x_m_per_s, u.t_eng_n_m, a_x_m_per_s2);
+        let weight = standing.weight(driven);
         let respond = |e: StateVector, slope: StateVector| respond(e, slope.map(|x| weight * x));
         if standing.along {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);

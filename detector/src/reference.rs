@@ -9,8 +9,8 @@
 //! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft
 //!   as stated; and the reverse. Near its critical speed a vehicle answers by a multiple of what the model
 //!   says.
-//! - The stiffness of an axle is in proportion to its load, which moves while the speed changes: braking
-//!   lowers the critical speed, even that of a vehicle which steers neutrally at constant speed.
+//! - The stiffness of an axle is in proportion to its load, which moves while the driver changes the speed:
+//!   braking lowers the critical speed, even that of a vehicle which steers neutrally at constant speed.
 //! - A motion that is unstable, or might be, is drawn to the measured yaw rate: by [`DRAWN_FROM`] of the
 //!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
 //! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
@@ -106,7 +106,7 @@ impl References {
     }
 
     /// Takes the motions on by a sample, from speed v_x > 0 in m/s, measured yaw rate in rad/s, angle at the
-    /// road wheel in rad and longitudinal acceleration in m/s^2, with which the axles' stiffnesses go.
+    /// road wheel in rad and acceleration by the driver in m/s^2, with which the axles' stiffnesses go.
     pub(crate) fn advance(
         &self,
         motions: &mut [ReferenceMotion; MOTIONS],

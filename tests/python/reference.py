@@ -392,6 +392,11 @@ class Reference:
         front = np.clip((self.l_r - shift) / wheelbase, 0, 1)
         return np.array([front * wheelbase / self.l_r, (1 - front) * wheelbase / self.l_f])
 
+    def driven(self, v_x, torque, a_x):
+        """Of the acceleration a_x what the drive torque asks for: a fault that slows down asks for nothing."""
+        asked = (torque - self.c_x * v_x**2) / self.longitudinal_inertia
+        return np.clip(a_x, min(asked, 0), max(asked, 0))
+
     def critical_speed(self, loaded):
         """Of the worst vehicle stated, its axles so `loaded`, m/s; inf where none oversteers.
 
@@ -415,7 +420,7 @@ class Reference:
         A = by_slip @ slip + [[0, -v_x], [0, -draw]]
         return A, np.array([[by_slip[0, 0], 0], [by_slip[1, 0], draw]])
 
-    def follow(self, valid, y, delta, jumped):
+    def follow(self, valid, y, torque, delta, jumped):
         """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
         n, t = len(y), self.period
         motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
@@ -436,7 +441,7 @@ class Reference:
             smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
             a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
             filtered = smoothed
-            loaded = self.load_factors(a_x[k])
+            loaded = self.load_factors(self.driven(v_x, torque[k], a_x[k]))
             # At a critical speed of 0, of a rear axle that is lifted, the quotient is inf.
             with np.errstate(divide="ignore"):
                 near = v_x / self.critical_speed(loaded)
@@ -544,7 +549,7 @@ class Reference:
         u[:, 1] = self.actuator.angles(command, self.period)
         behind = self.slowest.angles(command, self.period) - u[:, 1]
         stale, jumped = self._compare(valid, y, chosen(stale_after_s, self.stale_after_s))
-        followed = self.follow(valid, y, u[:, 1], jumped)
+        followed = self.follow(valid, y, u[:, 0], u[:, 1], jumped)
         runs = valid & enabled
         observed = self._observe(runs, jumped, y, u, behind, followed, z_0)
         invalid_signal = SPEED + np.argmin(proper, axis=1)
@@ -639,10 +644,9 @@ class Reference:
         motions = [[y[0], *motion] for motion in followed.motions[k]]
         along = np.array([self.along(motion, u) for motion in motions])
         common = self.common(x, u[1], behind, transfer)
-        # A share below 1 was found at constant speed; a fault that slows down changes no torque.
-        by_torque = (u[0] - self.c_x * y[0] ** 2) / self.longitudinal_inertia
-        a_x = min(abs(followed.a_x[k]), abs(by_torque))
-        changing = np.clip((a_x - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
+        # A share below 1 was found at constant speed.
+        driven = self.driven(y[0], u[0], followed.a_x[k])
+        changing = np.clip((abs(driven) - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
         missing = max(1 / self.uncertainty_share - 1, 0) if self.uncertainty_share > 0 else 0
         weight = 1 + missing * changing
         # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
