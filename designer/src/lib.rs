@@ -24,6 +24,7 @@ mod simulation;
 pub mod spec;
 pub mod synthesis;
 pub mod threshold;
+pub mod worst;
 
 pub use analysis::certified::{APosteriori, BandCertificate, CertifiedFigures, GainCertificate};
 pub use design::file::{

@@ -2,13 +2,13 @@
 //! verdict on sight.
 //!
 //! # Conventions
-//! Inputs and wind are held from sample to sample, disturbances and faults for an integration step; of a
+//! Inputs and forces on the body are held from sample to sample, disturbances and faults for an integration step; of a
 //! specification with an actuator the steering is its command. The sensors' white noise is that of the
 //! specification.
 
 use steerguard_detector::{Detector, Input, Measurement, StateVector, VehicleState};
 use steerguard_world::{
-    Course, Excitation, Gusts, STEP_S, Sensor, Sensors, State, Steering, TrueVehicle, Wind, World,
+    Course, Excitation, STEP_S, Sensor, Sensors, State, Steering, TrueVehicle, World,
 };
 
 use crate::spec::{Noise, Spec};
@@ -17,8 +17,6 @@ use crate::spec::{Noise, Spec};
 pub struct Surroundings {
     /// Vehicle, steering and road.
     pub world: World,
-    /// Wind across the road.
-    pub wind: Wind,
     /// Relative error of the speed shown.
     pub v_x_scale: f64,
     /// Yaw rate shown at standstill.
@@ -37,7 +35,6 @@ impl Surroundings {
                     ..Steering::of(spec.actuator.actuator())
                 },
             ),
-            wind: Wind { gusts: Gusts::NONE, action: spec.uncertainty.gust() },
             v_x_scale: 0.0,
             yaw_rate_bias_rad_per_s: zero.yaw_rate_bias_rad_per_s,
         }
@@ -54,8 +51,32 @@ impl Surroundings {
     }
 }
 
+/// Steering and speed of a drive, as functions of time in s.
+pub trait Driving {
+    /// Commanded road-wheel angle, rad.
+    fn steering_rad(&self, t: f64) -> f64;
+
+    /// Drive torque at the wheels at the measured speed `v_x` in m/s, N m.
+    fn drive_torque_n_m(&self, t: f64, v_x: f64) -> f64;
+}
+
+impl Driving for Course {
+    fn steering_rad(&self, t: f64) -> f64 {
+        self.steering_rad(t)
+    }
+
+    fn drive_torque_n_m(&self, t: f64, v_x: f64) -> f64 {
+        self.drive_torque_n_m(t, v_x)
+    }
+}
+
 /// What acts in a drive beside its course, as functions of time in s.
 pub trait Acting {
+    /// Side force in N and yaw moment in N m at speed `v_x` in m/s, held for a sample.
+    fn on_body(&self, _t: f64, _v_x: f64) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Added to the readings `[v_x, r]`, m/s and rad/s.
     fn on_measurement(&self, _t: f64) -> [f64; 2] {
         [0.0; 2]
@@ -73,13 +94,13 @@ pub trait Acting {
 }
 
 /// A drive to simulate.
-pub struct Simulation {
+pub struct Simulation<D> {
     /// Where it takes place.
     pub surroundings: Surroundings,
     /// Its sensors.
     pub sensors: Sensors,
     /// Its course.
-    pub course: Course,
+    pub course: D,
     /// State of the vehicle at its start.
     pub start: VehicleState,
     /// Sampling period, s.
@@ -88,16 +109,16 @@ pub struct Simulation {
     pub samples: u64,
 }
 
-impl Simulation {
-    /// Drives `detector`, with what is `acting`; `sampled` sees it after each sample, by number.
+impl<D: Driving> Simulation<D> {
+    /// Drives `detector`, with what is `acting`; `sampled` sees each sample once the detector has had it.
     pub fn run(
         &self,
         detector: &mut Detector,
         acting: &impl Acting,
-        mut sampled: impl FnMut(u64, &Detector),
+        mut sampled: impl FnMut(&Sampled<'_>),
     ) {
         let Self { surroundings, sensors, course, period_s, .. } = self;
-        let Surroundings { world, wind, .. } = surroundings;
+        let world = &surroundings.world;
         let steps = (period_s / STEP_S).ceil().max(1.0);
         let step_s = period_s / steps;
         let mut state = State::new(world, step_s, self.start, course.steering_rad(0.0));
@@ -111,22 +132,33 @@ impl Simulation {
                 delta_rad: course.steering_rad(t),
             };
             detector.sample(measured, u);
-            sampled(k, detector);
-            let [side_force_n, yaw_moment_n_m] =
-                wind.side_force_and_yaw_moment(t, state.motion.v_x_m_per_s);
-            let of_wind = world.vehicle.push(side_force_n, yaw_moment_n_m);
+            sampled(&Sampled { number: k, detector, state: &state, input: u });
+            let [side_force_n, yaw_moment_n_m] = acting.on_body(t, state.motion.v_x_m_per_s);
+            let on_body = world.vehicle.push(side_force_n, yaw_moment_n_m);
             for inner in 0..steps as u32 {
                 let t = t + f64::from(inner) * step_s;
                 let excitation = Excitation {
                     drive_torque_n_m: u.t_eng_n_m,
                     command_rad: u.delta_rad,
                     fault_rad: acting.fault_rad(t),
-                    push: plus(of_wind, acting.on_vehicle(t)),
+                    push: plus(on_body, acting.on_vehicle(t)),
                 };
                 state.step(world, &excitation, step_s);
             }
         }
     }
+}
+
+/// A sample of a drive.
+pub struct Sampled<'a> {
+    /// Its number.
+    pub number: u64,
+    /// The detector after it.
+    pub detector: &'a Detector,
+    /// Where the drive stands at its time.
+    pub state: &'a State,
+    /// The input from then on.
+    pub input: Input,
 }
 
 /// Sum of two changes of the state.

@@ -1,5 +1,7 @@
 //! The set S_x (4) on which a design holds.
 
+use crate::VehicleState;
+
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +50,13 @@ pub struct OperatingRange {
 }
 
 impl OperatingRange {
+    /// Whether the state lies in S_x.
+    pub fn contains(&self, x: VehicleState) -> bool {
+        self.v_x.contains(x.v_x_m_per_s)
+            && self.v_y.contains(x.v_y_m_per_s)
+            && self.r.contains(x.r_rad_per_s)
+    }
+
     /// S_x with every interval shrunk by `margins` = [v_x, v_y, r].
     pub fn shrunk(&self, [v_x, v_y, r]: [f64; 3]) -> Self {
         Self { v_x: self.v_x.shrunk(v_x), v_y: self.v_y.shrunk(v_y), r: self.r.shrunk(r) }

@@ -150,7 +150,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut tried = Vec::new();
     for car in fleet(all)? {
         if names.is_empty() || names.iter().any(|name| car.name.contains(name.as_str())) {
-            let of_car = trials.of(car.spec())?;
+            let of_car = trials.of(car.spec()?)?;
             for trial in &of_car {
                 println!("{}", Row { car: &car.name, trial });
             }

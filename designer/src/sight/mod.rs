@@ -23,7 +23,7 @@ use steerguard_world::{Course, Fault, FaultKind, Manoeuvre, Plan, TrueVehicle, T
 use crate::sight::equivalent::bank_and_wind_rad;
 pub use crate::sight::hidden::HiddenBy;
 use crate::sight::hidden::{Missed, hidden_by};
-use crate::simulation::{Acting, Simulation, Surroundings};
+use crate::simulation::{Acting, Sampled, Simulation, Surroundings};
 use crate::spec::{self, Spec};
 use crate::threshold::{Threshold, steady_points};
 
@@ -264,7 +264,7 @@ impl<'a> Test<'a> {
         let (mut raised, mut monitored) = (None, 0);
         let (mut stands, mut lasts) = (false, true);
         let mut detector = self.detector;
-        simulation.run(&mut detector, &fault, |k, detector| {
+        simulation.run(&mut detector, &fault, |&Sampled { number: k, detector, .. }| {
             let alarm = detector.output().alarm;
             // The sample at the onset does not know of the fault yet.
             if k <= onset {

@@ -18,7 +18,7 @@ use steerguard_world::{
     CALM_S, Course, GUST_S, Gusts, Plan, Steering, Stream, TrueVehicle, Tyres, Wind, World,
 };
 
-use crate::simulation::{Acting, Simulation, Surroundings, plus};
+use crate::simulation::{Acting, Sampled, Simulation, Surroundings, plus};
 use crate::spec::{Manoeuvre, Spec, UncertaintyTable};
 
 /// Drives between two reports of progress.
@@ -224,9 +224,12 @@ fn run(
     index: usize,
     population: Population,
 ) -> Outcome {
-    let surroundings = match population {
-        Population::Specified => Surroundings::specified(spec),
-        Population::Uncertain => drawn(spec, index),
+    let (surroundings, wind) = match population {
+        Population::Specified => (Surroundings::specified(spec), None),
+        Population::Uncertain => {
+            let (surroundings, wind) = drawn(spec, index);
+            (surroundings, Some(wind))
+        }
     };
     let t_s = spec.sampling.period_s;
     let samples = (spec.evaluation.calibration.duration_s / t_s) as u64;
@@ -243,23 +246,27 @@ fn run(
         samples,
     };
     let mut outcome = Outcome { level: None, monitored: 0, samples };
-    simulation.run(&mut detector, &Disturbed { spec, drive }, |_, detector| {
-        let Output { monitor, j_rms, j_th, .. } = *detector.output();
-        if monitor == Monitor::Monitoring {
-            outcome.monitored += 1;
-            let start_up_term = detector.state().start_up.term(evaluation);
-            let level = match population {
-                Population::Specified => j_rms - start_up_term,
-                Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
-            };
-            outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
-        }
-    });
+    simulation.run(
+        &mut detector,
+        &Disturbed { spec, drive, wind },
+        |&Sampled { detector, .. }| {
+            let Output { monitor, j_rms, j_th, .. } = *detector.output();
+            if monitor == Monitor::Monitoring {
+                outcome.monitored += 1;
+                let start_up_term = detector.state().start_up.term(evaluation);
+                let level = match population {
+                    Population::Specified => j_rms - start_up_term,
+                    Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
+                };
+                outcome.level = Some(outcome.level.map_or(level, |largest| largest.max(level)));
+            }
+        },
+    );
     outcome
 }
 
-/// Draws the surroundings of drive number `index`.
-fn drawn(spec: &Spec, index: usize) -> Surroundings {
+/// Draws surroundings and wind of drive number `index`.
+fn drawn(spec: &Spec, index: usize) -> (Surroundings, Wind) {
     let stream = Stream::new(index as u64, SURROUNDINGS_STREAM);
     let mut numbers = 0..;
     let mut between = |interval| stream.uniform(numbers.next().unwrap_or_default(), interval);
@@ -300,28 +307,34 @@ fn drawn(spec: &Spec, index: usize) -> Surroundings {
         centre_of_gravity_height_m: transfer * vehicle.centre_of_gravity_height_m,
         ..vehicle
     };
-    Surroundings {
+    let surroundings = Surroundings {
         world: World { bank_rad, ..World::of(TrueVehicle { data, tyres }, steering) },
-        wind: Wind { gusts, action },
         v_x_scale,
         yaw_rate_bias_rad_per_s,
-    }
+    };
+    (surroundings, Wind { gusts, action })
 }
 
-/// What acts in a drive: every disturbance and every bounded noise at its bound, along the same wave.
+/// What acts in a drive: every disturbance and every bounded noise at its bound, along the same wave; and
+/// wind.
 struct Disturbed<'a> {
     spec: &'a Spec,
     drive: &'a Drive,
+    wind: Option<Wind>,
 }
 
 impl Acting for Disturbed<'_> {
+    fn on_body(&self, t: f64, v_x: f64) -> [f64; 2] {
+        self.wind.map_or([0.0; 2], |wind| wind.side_force_and_yaw_moment(t, v_x))
+    }
+
     fn on_measurement(&self, t: f64) -> [f64; 2] {
         let wave = self.drive.disturbance.at(t);
         self.spec.noise.bounds().map(|bound| bound.unwrap_or(0.0) * wave)
     }
 
     fn on_vehicle(&self, t: f64) -> StateVector {
-        let Self { spec, drive } = self;
+        let Self { spec, drive, .. } = self;
         let wave = drive.disturbance.at(t);
         let channels = spec.disturbance.iter().zip(&drive.disturbance.signs);
         channels.fold([0.0; 3], |sum, (disturbance, sign)| {

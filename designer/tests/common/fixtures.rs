@@ -1,5 +1,7 @@
 //! Design files that tests read, and the specifications that they are made of.
 
+#![allow(dead_code, reason = "not every test needs both")]
+
 use std::path::{Path, PathBuf};
 
 /// A design file and its specification.

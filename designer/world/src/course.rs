@@ -127,6 +127,14 @@ pub fn steady_angle(vehicle: &Vehicle, v_x: f64, a_y: f64) -> f64 {
     (a_y * (wheelbase / (v_x * v_x) + understeer)).abs()
 }
 
+/// Drive torque of a speed control at the set `speed` in m/s with slope `acceleration` in m/s^2, at the
+/// measured speed `v_x`, of a driver who takes the vehicle for `vehicle`; N m at the wheels.
+pub fn speed_control_n_m(vehicle: &Vehicle, speed: f64, acceleration: f64, v_x: f64) -> f64 {
+    vehicle.cruise_torque(speed)
+        + vehicle.effective_longitudinal_inertia_kg_m
+            * (acceleration + (speed - v_x) / SPEED_CONTROL_S)
+}
+
 impl Course {
     /// The course of `plan` for a driver who takes the vehicle for `vehicle` and turns the road wheel
     /// by at most `rate_rad_per_s`.
@@ -239,9 +247,7 @@ impl Course {
     /// Drive torque of the speed control at time `t` and measured speed `v_x`, N m at the wheels.
     pub fn drive_torque_n_m(&self, t: f64, v_x: f64) -> f64 {
         let (speed, acceleration) = self.speed(t);
-        self.vehicle.cruise_torque(speed)
-            + self.vehicle.effective_longitudinal_inertia_kg_m
-                * (acceleration + (speed - v_x) / SPEED_CONTROL_S)
+        speed_control_n_m(&self.vehicle, speed, acceleration, v_x)
     }
 
     /// Set speed in m/s and its slope in m/s^2 at time `t`.

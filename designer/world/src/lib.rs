@@ -26,11 +26,11 @@ mod tyre;
 mod vehicle;
 mod wind;
 
-pub use course::{Course, Manoeuvre, Plan, steady_angle};
+pub use course::{Course, Manoeuvre, Plan, speed_control_n_m, steady_angle};
 pub use fault::{Fault, FaultKind};
 pub use random::Stream;
 pub use road::bank_m_per_s2;
-pub use sensor::{Readings, Sensor, Sensors};
+pub use sensor::{Readings, Sensor, Sensors, held_sample};
 pub use steering::{MAX_DEAD_TIME_STEPS, Steering, SteeringState};
 pub use tyre::Tyres;
 pub use vehicle::TrueVehicle;

@@ -7,6 +7,19 @@
 
 use crate::Stream;
 
+/// Number of the period of `period_s` that time `t` lies in, from 0 on.
+fn number_at(period_s: f64, t: f64) -> u64 {
+    // The slack keeps a time of n periods at number n whatever its last bit.
+    libm::floor(t / period_s + 1e-6) as u64
+}
+
+/// Value at time `t` of a signal that has one for each period of `period_s`, held over it; after its end
+/// the last one. None of an empty signal.
+pub fn held_sample(values: &[f64], period_s: f64, t: f64) -> Option<f64> {
+    let number = usize::try_from(number_at(period_s, t)).unwrap_or(usize::MAX);
+    values.get(number).or(values.last()).copied()
+}
+
 /// How one sensor errs; all in the signal's unit but `scale`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensor {
@@ -48,8 +61,7 @@ pub struct Sensors {
 impl Sensors {
     /// Number of the noise value at time `t`, s.
     pub fn number(&self, t: f64) -> u64 {
-        // The slack keeps a time of n periods at number n whatever its last bit.
-        libm::floor(t / self.period_s + 1e-6) as u64
+        number_at(self.period_s, t)
     }
 
     /// What they show of `truth` with noise number `number`.

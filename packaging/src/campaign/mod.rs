@@ -19,6 +19,7 @@ pub mod signals;
 pub mod simulation;
 pub mod statistics;
 pub mod table;
+pub mod worst;
 
 use std::ops::Range;
 

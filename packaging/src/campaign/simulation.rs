@@ -53,7 +53,7 @@ impl TestBench {
         let mut observation = Observation::default();
         for k in 0..steps {
             let time_s = f64::from(k) * step_s;
-            let sample = rig.step(time_s, step_s, |[v_x, _]| excite(time_s, true_speed(v_x)))?;
+            let sample = rig.step(time_s, step_s, |seen| excite(time_s, true_speed(seen.v_x)))?;
             observation.add(&sample);
             record(&sample);
         }

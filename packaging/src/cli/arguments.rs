@@ -163,12 +163,15 @@ pub struct SimulateArguments {
   steerguard campaign design.json --drive 17 > drive-17.csv
   steerguard campaign design.json --drives 1000 --shard 2/4 -o part-2
   steerguard campaign design.json --drives 1000 --signals signals.parquet
+  steerguard campaign design.json --worst -o worst
+  steerguard simulate --detector SteeringFaultDetector.fmu --scenario worst/worst-constant.toml
 
 A campaign that was cut short goes on when the command is given again. Parts driven elsewhere are
 merged by copying their blocks/ into one folder and giving the command without --shard: results are
 the same, byte for byte, as those of one run.
 
-Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on."
+Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on. With
+--worst: worst-FAMILY.toml, the worst drive found of each family, which `simulate` replays."
 )]
 pub struct CampaignArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
@@ -177,6 +180,18 @@ pub struct CampaignArguments {
     /// Use the design although it is not certified, or blind; everything made of it says so
     #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
     pub allow: Vec<Allowance>,
+    /// Do not drive at random: search the fault-free drives with the largest J/J_th, within all that the
+    /// specification states of vehicle, road, air and sensors
+    #[arg(long, conflicts_with_all = [
+        "drives", "duration", "faults", "mix", "fault_deg", "nominal", "parameters", "bank", "gust",
+        "actuator_lag", "actuator_delay", "steering_ratio", "steering_offset", "v_x_scale",
+        "load_transfer", "friction", "v_x_noise", "r_noise", "v_x_bias", "r_bias", "drive", "shard",
+        "prepare", "signals"])]
+    pub worst: bool,
+    /// Drives of each family that the search takes, at most; default: 16000
+    #[arg(long, value_name = "N", requires = "worst",
+        value_parser = value_parser!(u64).range(100..=100_000_000))]
+    pub budget: Option<u64>,
     /// Number of drives
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = value_parser!(u64).range(1..=10_000_000))]
     pub drives: u64,

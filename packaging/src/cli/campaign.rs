@@ -10,7 +10,7 @@ use steerguard_model_description::names;
 
 use super::package::{self, caution};
 use super::print::print;
-use super::{input, simulate};
+use super::{input, simulate, worst};
 use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
 use crate::campaign::settings::{Mix, Sensors, Settings, Subject, Uncertainty};
@@ -50,6 +50,9 @@ struct Throughput {
 
 pub(super) fn run(arguments: &CampaignArguments, json: bool) -> Result<Exit, Failure> {
     let design = input::design(&arguments.design, &arguments.allow, &Progress::new())?;
+    if arguments.worst {
+        return worst::run(arguments, &design, workers(arguments), json);
+    }
     let settings = settings(arguments, &design);
     if let Some(index) = arguments.drive
         && index >= settings.drives

@@ -36,6 +36,12 @@ pub fn detection_table<'a>(detections: impl Iterator<Item = &'a Detection>) -> S
             j(d.largest_faulty_j),
             d.false_alarms.to_string(),
         ]);
+        if let Some(ratio) = d.largest_fault_free_ratio.filter(|&ratio| ratio >= 1.0) {
+            remarks += &format!(
+                "  At {} m/s J/J_th came to {ratio:.4} without a fault.\n",
+                d.initial_speed_m_per_s
+            );
+        }
         if d.monitored_share < 1.0 {
             remarks += &format!(
                 "  At {} m/s the vehicle was outside the armed range in {:.1} % of the samples: \

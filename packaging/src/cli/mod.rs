@@ -14,6 +14,7 @@ mod print;
 pub mod progress;
 mod simulate;
 mod verify;
+mod worst;
 
 use crate::cli::arguments::{Cli, Command};
 use crate::cli::failure::{Exit, Failure};

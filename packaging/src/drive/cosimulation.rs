@@ -8,12 +8,12 @@
 //!   every `design.actuator.*` as `actuator.*`.
 
 use serde::{Serialize, Serializer};
-use steerguard_detector::{Actuator, Vehicle};
-use steerguard_world::Steering;
+use steerguard_detector::{Actuator, Gust, Vehicle};
+use steerguard_world::{Steering, bank_m_per_s2, speed_control_n_m};
 
 use steerguard_designer::document::Mistakes;
 
-use crate::drive::scenario::{Scenario, SensorNoise};
+use crate::drive::scenario::{PlantParameter, Scenario, SensorNoise};
 use crate::drive::wheel::Wheel;
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
 
@@ -117,8 +117,9 @@ pub fn run(
         .ok_or(CosimulationError::NoStep)?;
     let steps = scenario.steps(step_s)?;
     let mut rig = Rig::new(detector, plant)?;
-    let [mass_kg, drag] = rig.detector.get_real(detector.reals(["vehicle.M_v", "vehicle.C_x"])?)?;
-    let cruise_torque_n_m = drag * initial_speed_m_per_s * initial_speed_m_per_s;
+    let of_detector = vehicle(&rig.detector, detector)?;
+    let mass_kg = of_detector.mass_kg;
+    let cruise_torque_n_m = of_detector.cruise_torque(initial_speed_m_per_s);
     let initial_state = [
         initial_speed_m_per_s,
         scenario.initial_lateral_speed_m_per_s,
@@ -132,9 +133,18 @@ pub fn run(
     if [noise.v_x_std_m_per_s, noise.r_std_rad_per_s] != [0.0, 0.0] {
         rig.set_noise(plant, noise, detector.step_size_s().unwrap_or(step_s))?;
     }
+    for (name, value) in &scenario.plant {
+        match *value {
+            PlantParameter::Number(x) => rig.plant.set_real(plant.reals([name])?, [x])?,
+            PlantParameter::Flag(flag) => {
+                let parameter = plant.variable(name, Type::Boolean)?;
+                rig.plant.set_boolean([parameter], [i32::from(flag)])?;
+            }
+        }
+    }
 
     let course = match &scenario.manoeuvre {
-        Some(table) => Some(table.course(&rig.vehicle(plant)?, initial_speed_m_per_s)),
+        Some(table) => Some(table.course(&vehicle(&rig.plant, plant)?, initial_speed_m_per_s)),
         None => None,
     };
     let command_rad = |time_s| match &course {
@@ -149,32 +159,96 @@ pub fn run(
         }
         None => None,
     };
-    let excitation = |time_s, v_x| {
+    let [mass_of_plant_kg] = rig.plant.get_real(plant.reals(["vehicle.M_v"])?)?;
+    let excitation = |time_s, v_x, true_v_x| {
         let v = initial_speed_m_per_s;
-        let side_force = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
+        let side_wind = mass_kg * scenario.side_wind_m_per_s2.at(time_s, v);
+        let wind = Gust {
+            speed_m_per_s: scenario.wind_m_per_s.at(time_s, v),
+            coefficient_n_s2_per_m2: scenario.wind_coefficient_n_s2_per_m2,
+            acting_ahead_m: scenario.side_wind_lever_arm_m,
+        };
+        let of_air = side_wind + wind.side_force(true_v_x);
+        let bank_rad = scenario.road_bank_deg.at(time_s, v).to_radians();
         Excitation {
-            drive_torque: match &course {
-                Some(course) => course.drive_torque_n_m(time_s, v_x),
-                None => cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
+            drive_torque: match (&course, &scenario.speed_m_per_s) {
+                (Some(course), _) => course.drive_torque_n_m(time_s, v_x),
+                (None, Some(speed)) => {
+                    let [now, next] = [time_s, time_s + step_s].map(|t| speed.at(t, v));
+                    speed_control_n_m(&of_detector, now, (next - now) / step_s, v_x)
+                }
+                (None, None) => cruise_torque_n_m + scenario.drive_torque_n_m.at(time_s, v),
             },
             steering_angle: command_rad(time_s),
             fault: match &faulty {
                 Some((fault, wheel)) => wheel.fault_rad(fault.as_ref(), time_s),
                 None => scenario.steering_fault_rad(time_s, v),
             },
-            side_force,
-            yaw_moment: side_force * scenario.side_wind_lever_arm_m,
+            side_force: of_air + mass_of_plant_kg * bank_m_per_s2(bank_rad),
+            yaw_moment: of_air * scenario.side_wind_lever_arm_m,
         }
     };
-    rig.initialise(scenario.duration_s, &excitation(0.0, initial_speed_m_per_s))?;
+    let v_x = initial_speed_m_per_s;
+    rig.initialise(scenario.duration_s, &excitation(0.0, v_x, v_x))?;
     let samples = (0..steps)
         .map(|k| {
             let time_s = f64::from(k) * step_s;
-            rig.step(time_s, step_s, |[v_x, _]| excitation(time_s, v_x))
+            rig.step(time_s, step_s, |seen| excitation(time_s, seen.v_x, seen.true_v_x))
         })
         .collect::<Result<_, _>>()?;
     rig.terminate()?;
     Ok(Run { initial_speed_m_per_s, step_s, samples })
+}
+
+/// The vehicle data of an `instance` of `fmu`, detector or plant.
+///
+/// # Errors
+/// [`CosimulationError`] if a parameter is missing.
+pub fn vehicle(instance: &Instance, fmu: &Fmu) -> Result<Vehicle, CosimulationError> {
+    let [
+        mass_kg,
+        yaw_inertia_kg_m2,
+        effective_longitudinal_inertia_kg_m,
+        front_axle_distance_m,
+        rear_axle_distance_m,
+        front_cornering_stiffness_n_per_rad,
+        rear_cornering_stiffness_n_per_rad,
+        longitudinal_drag_n_m_s2_per_m2,
+        lateral_drag_n_s2_per_m2,
+        centre_of_gravity_height_m,
+    ] = instance.get_real(fmu.reals([
+        "vehicle.M_v",
+        "vehicle.I_z",
+        "vehicle.I_e",
+        "vehicle.l_f",
+        "vehicle.l_r",
+        "vehicle.C_f",
+        "vehicle.C_r",
+        "vehicle.C_x",
+        "vehicle.C_y",
+        "vehicle.h",
+    ])?)?;
+    Ok(Vehicle {
+        mass_kg,
+        yaw_inertia_kg_m2,
+        effective_longitudinal_inertia_kg_m,
+        front_axle_distance_m,
+        rear_axle_distance_m,
+        front_cornering_stiffness_n_per_rad,
+        rear_cornering_stiffness_n_per_rad,
+        longitudinal_drag_n_m_s2_per_m2,
+        lateral_drag_n_s2_per_m2,
+        centre_of_gravity_height_m,
+    })
+}
+
+/// What the plant shows at a communication point, m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Measured longitudinal speed.
+    pub v_x: f64,
+    /// Longitudinal speed.
+    pub true_v_x: f64,
 }
 
 /// What acts from a communication point to the next.
@@ -204,7 +278,7 @@ pub struct Rig {
 /// Value references of what is exchanged and recorded.
 struct Ports {
     plant_inputs: [u32; 5],
-    plant_outputs: [u32; 3],
+    plant_outputs: [u32; 4],
     detector_inputs: [u32; 4],
     detector_outputs: [u32; 5],
     alarm_and_excited: [u32; 2],
@@ -221,7 +295,7 @@ impl Ports {
                 "disturbance.side_force",
                 "disturbance.yaw_moment",
             ])?,
-            plant_outputs: plant.reals(["v_x", "r", "true.v_y"])?,
+            plant_outputs: plant.reals(["v_x", "r", "true.v_y", "true.v_x"])?,
             detector_inputs: detector.reals(["v_x", "r", "u.T_eng", "u.delta"])?,
             detector_outputs: detector.reals([
                 "residual.v_x",
@@ -286,48 +360,6 @@ impl Rig {
         )?)
     }
 
-    /// The vehicle that the plant simulates.
-    ///
-    /// # Errors
-    /// [`CosimulationError`] if a parameter is missing.
-    pub fn vehicle(&self, plant_fmu: &Fmu) -> Result<Vehicle, CosimulationError> {
-        let [
-            mass_kg,
-            yaw_inertia_kg_m2,
-            effective_longitudinal_inertia_kg_m,
-            front_axle_distance_m,
-            rear_axle_distance_m,
-            front_cornering_stiffness_n_per_rad,
-            rear_cornering_stiffness_n_per_rad,
-            longitudinal_drag_n_m_s2_per_m2,
-            lateral_drag_n_s2_per_m2,
-            centre_of_gravity_height_m,
-        ] = self.plant.get_real(plant_fmu.reals([
-            "vehicle.M_v",
-            "vehicle.I_z",
-            "vehicle.I_e",
-            "vehicle.l_f",
-            "vehicle.l_r",
-            "vehicle.C_f",
-            "vehicle.C_r",
-            "vehicle.C_x",
-            "vehicle.C_y",
-            "vehicle.h",
-        ])?)?;
-        Ok(Vehicle {
-            mass_kg,
-            yaw_inertia_kg_m2,
-            effective_longitudinal_inertia_kg_m,
-            front_axle_distance_m,
-            rear_axle_distance_m,
-            front_cornering_stiffness_n_per_rad,
-            rear_cornering_stiffness_n_per_rad,
-            longitudinal_drag_n_m_s2_per_m2,
-            lateral_drag_n_s2_per_m2,
-            centre_of_gravity_height_m,
-        })
-    }
-
     /// The steering actuator that the plant simulates.
     ///
     /// # Errors
@@ -377,13 +409,13 @@ impl Rig {
 
         self.detector.setup_experiment(stop_time_s)?;
         self.detector.enter_initialization_mode()?;
-        let [v_x, r, _] = self.measure()?;
+        let [v_x, r, ..] = self.measure()?;
         self.excite_detector([v_x, r], excitation)?;
         self.detector.exit_initialization_mode()?;
         Ok(())
     }
 
-    /// One communication step from `time_s` on; `excite` is told [v_x, r] as the plant gives it.
+    /// One communication step from `time_s` on; `excite` is told what the plant shows.
     ///
     /// # Errors
     /// [`CosimulationError::Call`].
@@ -391,10 +423,10 @@ impl Rig {
         &mut self,
         time_s: f64,
         step_s: f64,
-        excite: impl FnOnce([f64; 2]) -> Excitation,
+        excite: impl FnOnce(Seen) -> Excitation,
     ) -> Result<Sample, CosimulationError> {
-        let [v_x, r, lateral_speed] = self.measure()?;
-        let excitation = excite([v_x, r]);
+        let [v_x, r, lateral_speed, true_v_x] = self.measure()?;
+        let excitation = excite(Seen { v_x, true_v_x });
         self.excite_detector([v_x, r], &excitation)?;
         self.excite_plant(&excitation)?;
         self.detector.do_step(time_s, step_s)?;
@@ -436,7 +468,7 @@ impl Rig {
         Ok(self.plant.terminate()?)
     }
 
-    fn measure(&self) -> Result<[f64; 3], CallError> {
+    fn measure(&self) -> Result<[f64; 4], CallError> {
         self.plant.get_real(self.ports.plant_outputs)
     }
 

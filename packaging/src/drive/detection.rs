@@ -32,6 +32,8 @@ pub struct Detection {
     pub largest_fault_free_j: f64,
     /// The same without the first [`START_UP_S`].
     pub largest_fault_free_j_after_start_up: f64,
+    /// Largest J/J_th before the fault while the detector was monitoring; null where it never was.
+    pub largest_fault_free_ratio: Option<f64>,
     /// J_th of the last sample before the fault.
     pub threshold: f64,
     /// Largest J from the fault on.
@@ -59,6 +61,11 @@ impl Detection {
             delay_s: fault_onset_s.zip(alarm_s).map(|(onset, alarm)| alarm - onset),
             false_alarms: alarms_raised(before),
             largest_fault_free_j: largest_j(before.iter()),
+            largest_fault_free_ratio: before
+                .iter()
+                .filter(|sample| sample.state == MONITORING)
+                .map(|sample| sample.j_rms / sample.j_th)
+                .reduce(f64::max),
             largest_fault_free_j_after_start_up: largest_j(started),
             threshold: before.last().or(samples.last()).map_or(0.0, |sample| sample.j_th),
             largest_faulty_j: largest_j(after.iter()),
@@ -127,6 +134,7 @@ mod tests {
         assert_eq!(detection.delay_s, Some(2.0));
         assert_eq!(detection.false_alarms, 0);
         assert_eq!(detection.largest_fault_free_j, 0.9);
+        assert_eq!(detection.largest_fault_free_ratio, Some(0.9));
         assert_eq!(detection.largest_fault_free_j_after_start_up, 0.2);
         assert_eq!(detection.largest_faulty_j, 3.0);
         assert!(detection.is_right());

@@ -4,18 +4,21 @@
 //!
 //! # Conventions
 //! - A key or table left out of the file has the value above; a key left out of a table is 0.
-//! - `signal(t) = offset + amplitude sin(angular_frequency t)` from `start_s` on, 0 before.
+//! - `signal(t) = offset + amplitude sin(angular_frequency t)` from `start_s` on, 0 before; or `values`, each
+//!   held for `period_s`, the last one to the end.
 //! - The unit of a signal is in the name of its table.
 //! - Manoeuvres and faults are those of campaigns, by the same names, from the same code. Only their
 //!   `kind` has no default.
 //! - A manoeuvre is driven at the initial speed by a speed control. Its driver takes the vehicle for the
-//!   one of the plant.
+//!   one of the plant; who holds `speed_m_per_s` takes it for the one of the detector.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 use steerguard_designer::document::{self, Allowed, Mistake, Mistakes};
 use steerguard_designer::spec::ActuatorTable;
+use steerguard_world::held_sample;
 
 use crate::drive::kinds::{FaultTable, ManoeuvreTable};
 
@@ -29,14 +32,16 @@ const START_TOLERANCE_S: f64 = 1e-9;
 pub const DOCUMENTED: &str = include_str!("scenario.toml");
 
 /// Signals, and the tables that take their place.
-const REPLACED: [(&str, &str); 3] = [
+const REPLACED: [(&str, &str); 5] = [
     ("steering_angle_rad", "manoeuvre"),
     ("drive_torque_n_m", "manoeuvre"),
+    ("speed_m_per_s", "manoeuvre"),
+    ("drive_torque_n_m", "speed_m_per_s"),
     ("steering_fault_deg", "fault"),
 ];
 
-/// `offset + amplitude sin(angular_frequency t)` from a start time on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+/// `offset + amplitude sin(angular_frequency t)` from a start time on, or values.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Signal {
     /// Constant part, in the signal's unit.
@@ -50,11 +55,25 @@ pub struct Signal {
     /// If given, the signal is scaled by `sqrt(reference speed / initial speed)`, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_speed_m_per_s: Option<f64>,
+    /// If given, instead of all this: values in the signal's unit, and for how long each is held, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<f64>>,
+    /// See `values`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
 }
 
 impl Signal {
+    /// The signal of `values`, each held for `period_s`.
+    pub fn of_values(values: Vec<f64>, period_s: f64) -> Self {
+        Self { values: Some(values), period_s: Some(period_s), ..Self::default() }
+    }
+
     /// Value at time `t` in s of the run with the given initial speed in m/s.
     pub fn at(&self, t: f64, initial_speed_m_per_s: f64) -> f64 {
+        if let (Some(values), Some(period_s)) = (&self.values, self.period_s) {
+            return held_sample(values, period_s, t).unwrap_or(0.0);
+        }
         if t < self.start_s - START_TOLERANCE_S {
             return 0.0;
         }
@@ -67,6 +86,9 @@ impl Signal {
 
     /// Whether the signal is 0 at all times.
     pub fn is_zero(&self) -> bool {
+        if let Some(values) = &self.values {
+            return values.iter().all(|&value| value == 0.0);
+        }
         self.offset == 0.0 && (self.amplitude == 0.0 || self.angular_frequency_rad_per_s == 0.0)
     }
 
@@ -84,6 +106,37 @@ impl Signal {
             let key = format!("{name}.reference_speed_m_per_s");
             mistakes.number(&key, speed, Allowed::POSITIVE);
         }
+        self.check_values(name, mistakes);
+    }
+
+    fn check_values(&self, name: &str, mistakes: &mut Mistakes) {
+        let Self { values, period_s, .. } = self;
+        if let Some(period_s) = *period_s {
+            mistakes.number(&format!("{name}.period_s"), period_s, Allowed::POSITIVE);
+        }
+        let missing = match (values, period_s) {
+            (Some(_), None) => Some(("period_s", "values")),
+            (None, Some(_)) => Some(("values", "period_s")),
+            _ => None,
+        };
+        if let Some((key, given)) = missing {
+            mistakes.add(
+                Mistake::missing(format!("{name}.{key}"))
+                    .help("`values` are each held for `period_s`: state both")
+                    .because_of(&format!("{name}.{given}")),
+            );
+        }
+        let Some(values) = values else { return };
+        let alone = Self { values: None, period_s: None, ..self.clone() } == Self::default();
+        mistakes.unless(alone, || {
+            let allowed = "nothing beside other keys than `period_s`";
+            Mistake::value(format!("{name}.values"), format_args!("[ .. ]"), allowed)
+        });
+        let finite = values.iter().all(|value| value.is_finite());
+        mistakes.unless(finite && !values.is_empty(), || {
+            let allowed = "one finite number or more";
+            Mistake::value(format!("{name}.values"), format_args!("[ .. ]"), allowed)
+        });
     }
 }
 
@@ -114,16 +167,25 @@ pub struct Scenario {
     pub initial_lateral_speed_m_per_s: f64,
     /// r(0), rad/s.
     pub initial_yaw_rate_rad_per_s: f64,
-    /// Where the side wind acts, m ahead of the centre of gravity.
+    /// Where side wind and wind act, m ahead of the centre of gravity.
     pub side_wind_lever_arm_m: f64,
+    /// Side force of the wind: times wind speed times speed of the air against the vehicle, N s^2/m^2.
+    pub wind_coefficient_n_s2_per_m2: f64,
     /// Drive torque at the wheels on top of the torque that holds v_x(0), N m.
     pub drive_torque_n_m: Signal,
     /// Commanded angle at the road wheel, rad.
     pub steering_angle_rad: Signal,
     /// Side force per vehicle mass, m/s^2.
     pub side_wind_m_per_s2: Signal,
+    /// Wind across the road, m/s, positive to the left: its force grows with the vehicle's speed.
+    pub wind_m_per_s: Signal,
+    /// Road bank, degrees, positive with the left side raised.
+    pub road_bank_deg: Signal,
     /// Angle added by the faulty actuator at the road wheel, degrees.
     pub steering_fault_deg: Signal,
+    /// Set speed of a speed control, in place of `drive_torque_n_m`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_m_per_s: Option<Signal>,
     /// Drives in place of `steering_angle_rad` and `drive_torque_n_m`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub manoeuvre: Option<ManoeuvreTable>,
@@ -135,6 +197,19 @@ pub struct Scenario {
     pub actuator: Option<ActuatorTable>,
     /// Noise on what the detector is told of v_x and r.
     pub sensor_noise: SensorNoise,
+    /// Parameters of the plant's FMU, by name; those of the design if absent.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub plant: BTreeMap<String, PlantParameter>,
+}
+
+/// Value of a parameter of the plant's FMU.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(untagged)]
+pub enum PlantParameter {
+    /// Of a Boolean parameter.
+    Flag(bool),
+    /// Of a Real one, in SI units.
+    Number(f64),
 }
 
 impl Default for Scenario {
@@ -149,6 +224,7 @@ impl Default for Scenario {
             initial_lateral_speed_m_per_s: 1.0,
             initial_yaw_rate_rad_per_s: 0.0,
             side_wind_lever_arm_m: 0.25,
+            wind_coefficient_n_s2_per_m2: 2.64,
             drive_torque_n_m: Signal::default(),
             steering_angle_rad: Signal {
                 amplitude: 0.02,
@@ -168,10 +244,14 @@ impl Default for Scenario {
                 start_s: 5.0,
                 ..Signal::default()
             },
+            wind_m_per_s: Signal::default(),
+            road_bank_deg: Signal::default(),
+            speed_m_per_s: None,
             manoeuvre: None,
             fault: None,
             actuator: None,
             sensor_noise: SensorNoise { v_x_std_m_per_s: 0.02, r_std_rad_per_s: 0.002, seed: 1 },
+            plant: BTreeMap::new(),
         }
     }
 }
@@ -196,6 +276,20 @@ impl Scenario {
                 });
             }
         })
+    }
+
+    /// The text of a file that [`Self::parse`] reads.
+    ///
+    /// # Errors
+    /// None that a scenario can cause.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        let mut written = toml::Table::try_from(self)?;
+        for (signal, instead) in REPLACED {
+            if written.contains_key(instead) {
+                written.remove(signal);
+            }
+        }
+        toml::to_string(&written)
     }
 
     /// Number of communication steps of `step_s` seconds in a run.
@@ -234,6 +328,7 @@ impl Scenario {
             ("initial_lateral_speed_m_per_s", self.initial_lateral_speed_m_per_s),
             ("initial_yaw_rate_rad_per_s", self.initial_yaw_rate_rad_per_s),
             ("side_wind_lever_arm_m", self.side_wind_lever_arm_m),
+            ("wind_coefficient_n_s2_per_m2", self.wind_coefficient_n_s2_per_m2),
         ] {
             mistakes.number(key, value, Allowed::FINITE);
         }
@@ -247,9 +342,19 @@ impl Scenario {
             ("drive_torque_n_m", &self.drive_torque_n_m),
             ("steering_angle_rad", &self.steering_angle_rad),
             ("side_wind_m_per_s2", &self.side_wind_m_per_s2),
+            ("wind_m_per_s", &self.wind_m_per_s),
+            ("road_bank_deg", &self.road_bank_deg),
             ("steering_fault_deg", &self.steering_fault_deg),
         ] {
             signal.check(name, mistakes);
+        }
+        if let Some(speed) = &self.speed_m_per_s {
+            speed.check("speed_m_per_s", mistakes);
+        }
+        for (name, value) in &self.plant {
+            if let PlantParameter::Number(number) = value {
+                mistakes.number(&format!("plant.{name}"), *number, Allowed::FINITE);
+            }
         }
         if let Some(manoeuvre) = &self.manoeuvre {
             manoeuvre.check(speeds, mistakes);
@@ -338,16 +443,12 @@ mod tests {
         let kinds = Scenario::parse(
             "[manoeuvre]\nkind = 'roundabout'\nradius_m = 15\n[fault]\nkind = 'drift'\nrise_s = 1",
         );
-        for scenario in [Scenario::default(), kinds.unwrap()] {
-            let text = toml::to_string(&scenario).unwrap();
-            // What a manoeuvre or a fault takes the place of is left out of a file.
-            let mut written: toml::Table = toml::from_str(&text).unwrap();
-            for (signal, instead) in REPLACED {
-                if written.contains_key(instead) {
-                    written.remove(signal);
-                }
-            }
-            let read = Scenario::parse(&toml::to_string(&written).unwrap());
+        let courses = Scenario::parse(
+            "[speed_m_per_s]\nvalues = [6, 7.5]\nperiod_s = 2\n[plant]\n'vehicle.M_v' = 1600\n\
+             'tyre.friction_limited' = true",
+        );
+        for scenario in [Scenario::default(), kinds.unwrap(), courses.unwrap()] {
+            let read = Scenario::parse(&scenario.to_toml().unwrap());
             assert_eq!(read.unwrap(), scenario);
         }
     }
@@ -427,6 +528,16 @@ mod tests {
             ("[manoeuvre]\nkind = 'sine'\n[steering_angle_rad]", "steering_angle_rad"),
             ("[manoeuvre]\nkind = 'sine'\n[drive_torque_n_m]", "drive_torque_n_m"),
             ("[fault]\nkind = 'none'\n[steering_fault_deg]", "steering_fault_deg"),
+            ("[manoeuvre]\nkind = 'sine'\n[speed_m_per_s]", "speed_m_per_s"),
+            ("[speed_m_per_s]\n[drive_torque_n_m]", "drive_torque_n_m"),
+            ("[wind_m_per_s]\nvalues = [1]", "wind_m_per_s.period_s"),
+            ("[wind_m_per_s]\nperiod_s = 1", "wind_m_per_s.values"),
+            ("[wind_m_per_s]\nvalues = []\nperiod_s = 1", "wind_m_per_s.values"),
+            ("[wind_m_per_s]\nvalues = [inf]\nperiod_s = 1", "wind_m_per_s.values"),
+            ("[wind_m_per_s]\nvalues = [1]\nperiod_s = 0", "wind_m_per_s.period_s"),
+            ("[wind_m_per_s]\nvalues = [1]\nperiod_s = 1\noffset = 1", "wind_m_per_s.values"),
+            ("[plant]\nm = nan", "plant.m"),
+            ("[plant]\nm = 'heavy'", "plant"),
         ] {
             let message = Scenario::parse(text).unwrap_err().to_string();
             assert!(message.contains(key), "{text}: {message}");

@@ -81,25 +81,40 @@ impl Car {
         }
     }
 
-    /// Its specification, with default keys, but for a period where the default one is refused: then that
-    /// which the refusal names.
-    pub fn spec(&self) -> Spec {
-        let mut spec = Spec::default();
-        spec.vehicle.mass_kg = self.mass_kg;
-        spec.vehicle.yaw_inertia_kg_m2 = self.yaw_inertia_kg_m2;
-        spec.vehicle.effective_longitudinal_inertia_kg_m = self.effective_longitudinal_inertia_kg_m;
-        spec.vehicle.front_axle_distance_m = self.front_axle_distance_m;
-        spec.vehicle.rear_axle_distance_m = self.rear_axle_distance_m;
-        spec.vehicle.front_cornering_stiffness_n_per_rad = self.front_cornering_stiffness_n_per_rad;
-        spec.vehicle.rear_cornering_stiffness_n_per_rad = self.rear_cornering_stiffness_n_per_rad;
+    /// Its specification as one writes it, with default keys, but for a period where the default one is
+    /// refused: then that which the refusal names.
+    ///
+    /// # Errors
+    /// Where it is refused for anything else.
+    pub fn spec(&self) -> Result<Spec, Box<dyn Error>> {
         let [min, max] = self.v_x_m_per_s;
-        let slowest = spec.lowest_critical_speed().unwrap_or(f64::INFINITY);
-        spec.operating_range.v_x_m_per_s = [min, max.min(OF_CRITICAL_SPEED * slowest)];
-        spec.actuator.delay_s = self.actuator_delay_s;
-        if let Some(period_s) = spec.check().err().as_ref().and_then(period_named) {
-            spec.sampling.period_s = period_s;
-        }
-        spec
+        let vehicle: Spec = toml::from_str(&self.vehicle())?;
+        let slowest = vehicle.lowest_critical_speed().unwrap_or(f64::INFINITY);
+        let text = format!(
+            "{}[operating_range]\nv_x_m_per_s = [{min:?}, {:?}]\n[actuator]\ndelay_s = {:?}\n",
+            self.vehicle(),
+            max.min(OF_CRITICAL_SPEED * slowest),
+            self.actuator_delay_s
+        );
+        Ok(Spec::from_toml(&text).or_else(|refused| {
+            let period_s = period_named(&refused).ok_or(refused)?;
+            Spec::from_toml(&format!("{text}[sampling]\nperiod_s = {period_s:?}\n"))
+        })?)
+    }
+
+    /// Its table `[vehicle]`.
+    fn vehicle(&self) -> String {
+        let numbers = [
+            ("mass_kg", self.mass_kg),
+            ("yaw_inertia_kg_m2", self.yaw_inertia_kg_m2),
+            ("effective_longitudinal_inertia_kg_m", self.effective_longitudinal_inertia_kg_m),
+            ("front_axle_distance_m", self.front_axle_distance_m),
+            ("rear_axle_distance_m", self.rear_axle_distance_m),
+            ("front_cornering_stiffness_n_per_rad", self.front_cornering_stiffness_n_per_rad),
+            ("rear_cornering_stiffness_n_per_rad", self.rear_cornering_stiffness_n_per_rad),
+        ];
+        let lines = numbers.map(|(key, value)| format!("{key} = {value:?}\n"));
+        format!("[vehicle]\n{}", lines.concat())
     }
 }
 

@@ -1,0 +1,169 @@
+//! A fault-free drive of the search: vehicle, courses, and the largest J/J_th along it.
+//!
+//! # Conventions
+//! Those of [`crate::simulation`]. Courses are values for each sampling period, held over it; after their
+//! end the last one is held.
+
+use steerguard_detector::{Detector, Gust, Monitor, Output, StateVector, Vehicle, VehicleState};
+use steerguard_world::{
+    Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2, held_sample,
+    speed_control_n_m,
+};
+
+use crate::simulation::{Acting, Driving, Sampled, Simulation, Surroundings};
+use crate::spec::Spec;
+
+/// A fault-free drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// The vehicle driven.
+    pub vehicle: Vehicle,
+    /// Its tyres.
+    pub tyres: Tyres,
+    /// Its steering.
+    pub steering: Steering,
+    /// Relative error of the speed shown.
+    pub v_x_scale: f64,
+    /// Yaw rate shown at standstill.
+    pub yaw_rate_bias_rad_per_s: f64,
+    /// State at the start.
+    pub start: VehicleState,
+    /// Seed of the sensors' noise.
+    pub noise_seed: i32,
+    /// What changes along the drive.
+    pub courses: Courses,
+}
+
+/// What changes along a drive, a value for each sampling period.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Courses {
+    /// Sampling period.
+    pub period_s: f64,
+    /// Commanded road-wheel angle.
+    pub steering_rad: Vec<f64>,
+    /// Set speed of the driver, who takes the vehicle for the design's.
+    pub speed_m_per_s: Vec<f64>,
+    /// Road bank, positive with the left side raised.
+    pub bank_deg: Vec<f64>,
+    /// Wind across the road, positive to the left.
+    pub wind_m_per_s: Vec<f64>,
+}
+
+/// The sample with the largest J/J_th of a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// J/J_th.
+    pub ratio: f64,
+    /// Its time.
+    pub time_s: f64,
+    /// Measured speed there.
+    pub v_x_m_per_s: f64,
+    /// Measured speed times measured yaw rate there.
+    pub lateral_acceleration_m_per_s2: f64,
+}
+
+/// Value of a course at time `t`; 0 of an empty one.
+fn at(values: &[f64], period_s: f64, t: f64) -> f64 {
+    held_sample(values, period_s, t).unwrap_or(0.0)
+}
+
+/// The courses as a driver drives them who takes the vehicle for `vehicle`.
+struct Driver<'a> {
+    courses: &'a Courses,
+    vehicle: &'a Vehicle,
+}
+
+impl Driving for Driver<'_> {
+    fn steering_rad(&self, t: f64) -> f64 {
+        at(&self.courses.steering_rad, self.courses.period_s, t)
+    }
+
+    fn drive_torque_n_m(&self, t: f64, v_x: f64) -> f64 {
+        let Courses { period_s, speed_m_per_s, .. } = self.courses;
+        let [speed, next] = [t, t + period_s].map(|t| at(speed_m_per_s, *period_s, t));
+        speed_control_n_m(self.vehicle, speed, (next - speed) / period_s, v_x)
+    }
+}
+
+/// Road and air.
+struct Around<'a> {
+    courses: &'a Courses,
+    mass_kg: f64,
+    action: Gust,
+}
+
+impl Acting for Around<'_> {
+    fn on_body(&self, t: f64, v_x: f64) -> [f64; 2] {
+        let Courses { period_s, bank_deg, wind_m_per_s, .. } = self.courses;
+        let wind = Gust { speed_m_per_s: at(wind_m_per_s, *period_s, t), ..self.action };
+        let force_n = wind.side_force(v_x);
+        let bank_rad = at(bank_deg, *period_s, t).to_radians();
+        [force_n + self.mass_kg * bank_m_per_s2(bank_rad), force_n * wind.acting_ahead_m]
+    }
+
+    fn on_vehicle(&self, _t: f64) -> StateVector {
+        [0.0; 3]
+    }
+}
+
+impl Drive {
+    /// Whether neither axle slides, under a drive torque of `torque_n_m`: a linear tyre would not give
+    /// more than friction holds.
+    fn holds(&self, state: &State, torque_n_m: f64) -> bool {
+        let Tyres::Saturating { friction } = self.tyres else { return true };
+        let v_x = state.motion.v_x_m_per_s;
+        let a_x = (torque_n_m - self.vehicle.cruise_torque(v_x))
+            / self.vehicle.effective_longitudinal_inertia_kg_m;
+        let vehicle = TrueVehicle { data: self.vehicle, tyres: self.tyres };
+        let forces = vehicle.axle_forces_n(state.motion, state.steering.angle_rad, a_x);
+        let loads = self.vehicle.axle_loads_n(a_x);
+        let at_most = friction * libm::tanh(1.0);
+        forces.into_iter().zip(loads).all(|(force, load)| force.abs() <= at_most * load)
+    }
+
+    /// The sample with the largest J/J_th while `detector`, made for `spec`, monitors; none without such
+    /// a sample.
+    pub fn worst(&self, spec: &Spec, mut detector: Detector) -> Option<Worst> {
+        let courses = &self.courses;
+        let surroundings = Surroundings {
+            world: World::of(TrueVehicle { data: self.vehicle, tyres: self.tyres }, self.steering),
+            v_x_scale: self.v_x_scale,
+            yaw_rate_bias_rad_per_s: self.yaw_rate_bias_rad_per_s,
+        };
+        let seed = self.noise_seed.cast_unsigned().into();
+        let sensors: Sensors = surroundings.sensors(&spec.noise, courses.period_s, seed);
+        let simulation = Simulation {
+            sensors,
+            surroundings,
+            course: Driver { courses, vehicle: &spec.vehicle },
+            start: self.start,
+            period_s: courses.period_s,
+            samples: courses.steering_rad.len() as u64,
+        };
+        let around =
+            Around { courses, mass_kg: self.vehicle.mass_kg, action: spec.uncertainty.gust() };
+        let range = spec.operating_range.range();
+        let mut within = true;
+        let mut worst: Option<Worst> = None;
+        simulation.run(&mut detector, &around, |sample| {
+            let Sampled { number, detector, state, input } = *sample;
+            within &= range.contains(state.motion) && self.holds(state, input.t_eng_n_m);
+            let Output { monitor, j_rms, j_th, .. } = *detector.output();
+            let ratio = j_rms / j_th;
+            // What is no number is not more.
+            if within
+                && monitor == Monitor::Monitoring
+                && worst.is_none_or(|worst| ratio > worst.ratio)
+            {
+                let measured = detector.state().last;
+                worst = Some(Worst {
+                    ratio,
+                    time_s: number as f64 * courses.period_s,
+                    v_x_m_per_s: measured.v_x_m_per_s,
+                    lateral_acceleration_m_per_s2: measured.v_x_m_per_s * measured.r_rad_per_s,
+                });
+            }
+        });
+        worst
+    }
+}
