@@ -122,16 +122,6 @@ impl References {
             period_s,
         }
     }
-
-    /// The motions at a longitudinal acceleration in m/s^2.
-    fn loaded(&self, a_x: f64) -> Loaded {
-        if self.vehicle.centre_of_gravity_height_m > 0.0 {
-            let loads = self.vehicle.load_factors(a_x);
-            Loaded::new(&self.vehicle, &self.factors, self.lightness, loads)
-        } else {
-            self.at_rest
-        }
-    }
 }
 
 impl Loaded {
@@ -156,7 +146,14 @@ impl References {
     ) {
         let Measurement { v_x_m_per_s: v_x, r_rad_per_s: r } = y;
         let half = 0.5 * self.period_s;
-        let loaded = self.loaded(a_x_m_per_s2);
+        let transferred;
+        let loaded = if self.vehicle.centre_of_gravity_height_m > 0.0 {
+            let loads = self.vehicle.load_factors(a_x_m_per_s2);
+            transferred = Loaded::new(&self.vehicle, &self.factors, self.lightness, loads);
+            &transferred
+        } else {
+            &self.at_rest
+        };
         let draw = loaded.draw_per_s(v_x);
         for (motion, coefficients) in motions.iter_mut().zip(&loaded.motions).take(self.distinct) {
             let Coefficients { lateral, yaw } = coefficients;
