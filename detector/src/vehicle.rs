@@ -129,12 +129,17 @@ impl Vehicle {
         [front, weight - front]
     }
 
+    /// How far back the weight acts at the longitudinal acceleration `a_x` in m/s^2, m.
+    fn shift_m(&self, a_x: f64) -> f64 {
+        a_x * self.centre_of_gravity_height_m / GRAVITY_M_PER_S2
+    }
+
     /// Loads of the axles, front and rear, at the longitudinal acceleration `a_x` in m/s^2 over those at
     /// rest; not below a tenth.
     pub fn load_factors(&self, a_x: f64) -> [f64; 2] {
-        let share = a_x * self.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
-        let front = 1.0 - share / self.rear_axle_distance_m;
-        let rear = 1.0 + share / self.front_axle_distance_m;
+        let shift = self.shift_m(a_x);
+        let front = 1.0 - shift / self.rear_axle_distance_m;
+        let rear = 1.0 + shift / self.front_axle_distance_m;
         [front.max(0.1), rear.max(0.1)]
     }
 
@@ -142,9 +147,9 @@ impl Vehicle {
     /// m/s^2, m/s^2, rad/s^2, where cornering stiffness is in proportion to load and tyres at the static
     /// load have the `[front, rear]` axle forces in N. Method 2.
     pub fn load_transfer(&self, [front, rear]: [f64; 2], a_x: f64) -> StateVector {
-        let share = a_x * self.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
-        let front = -front * share / self.rear_axle_distance_m;
-        let rear = rear * share / self.front_axle_distance_m;
+        let shift = self.shift_m(a_x);
+        let front = -front * shift / self.rear_axle_distance_m;
+        let rear = rear * shift / self.front_axle_distance_m;
         [
             0.0,
             (front + rear) / self.mass_kg,

@@ -4,7 +4,7 @@
 //! Those of [`crate::simulation`]. Courses are values for each sampling period, held over it; after their
 //! end the last one is held.
 
-use steerguard_detector::{Detector, Gust, Monitor, Output, StateVector, Vehicle, VehicleState};
+use steerguard_detector::{Detector, Gust, Monitor, Output, Vehicle, VehicleState};
 use steerguard_world::{
     Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2, held_sample,
     speed_control_n_m,
@@ -99,10 +99,6 @@ impl Acting for Around<'_> {
         let force_n = wind.side_force(v_x);
         let bank_rad = at(bank_deg, *period_s, t).to_radians();
         [force_n + self.mass_kg * bank_m_per_s2(bank_rad), force_n * wind.acting_ahead_m]
-    }
-
-    fn on_vehicle(&self, _t: f64) -> StateVector {
-        [0.0; 3]
     }
 }
 

@@ -6,12 +6,10 @@
 //! - Steering stays within the angle of a steady turn of the design's vehicle at the hardest lateral
 //!   acceleration of the calibration and at the set speed, and within the calibration's steering rate.
 
-use std::f64::consts::TAU;
+use steerguard_detector::{Actuator, VehicleState};
+use steerguard_world::{CALM_S, GUST_S, Gusts, Steering, Tyres, steady_angle};
 
-use steerguard_detector::{Actuator, Vehicle, VehicleState};
-use steerguard_world::{CALM_S, GUST_S, Steering, Tyres, steady_angle};
-
-use crate::spec::Spec;
+use crate::spec::{Spec, UncertaintyTable};
 use crate::worst::drive::{Courses, Drive};
 
 /// Length of a drive, s; longer where the window is longer than [`WINDOW_S`].
@@ -142,17 +140,8 @@ impl Family {
     /// Reads a drive; what other families have too comes first, what only some have last.
     fn read(self, spec: &Spec, point: &mut Point<'_>, noise_seed: i32) -> Drive {
         let u = &spec.uncertainty;
-        let [mass, yaw_inertia, front, rear] =
-            u.intervals_percent().map(|interval| 1.0 + point.end(interval) / 100.0);
-        let v = &spec.vehicle;
-        let mut vehicle = Vehicle {
-            mass_kg: mass * v.mass_kg,
-            effective_longitudinal_inertia_kg_m: mass * v.effective_longitudinal_inertia_kg_m,
-            yaw_inertia_kg_m2: yaw_inertia * v.yaw_inertia_kg_m2,
-            front_cornering_stiffness_n_per_rad: front * v.front_cornering_stiffness_n_per_rad,
-            rear_cornering_stiffness_n_per_rad: rear * v.rear_cornering_stiffness_n_per_rad,
-            ..*v
-        };
+        let factors = u.intervals_percent().map(|interval| 1.0 + point.end(interval) / 100.0);
+        let mut vehicle = UncertaintyTable::vehicle(&spec.vehicle, factors);
         let speed_m_per_s = speed(spec, point);
         let start_v_x = speed_m_per_s[0];
         let start = initial_state(spec, start_v_x, point);
@@ -378,9 +367,9 @@ fn gusts(spec: &Spec, samples: usize, point: &mut Point<'_>) -> Vec<f64> {
     let start_s = point.between([0.0, duration_s(spec) - GUST_S[0]]);
     let [duration_s, next_s] = [(); 2].map(|()| point.between(GUST_S));
     let pause_s = point.between(CALM_S);
-    let gust = |speed: f64, since_s: f64, duration_s: f64| {
-        let blows = 0.0 < since_s && since_s < duration_s;
-        if blows { 0.5 * speed * (1.0 - libm::cos(TAU * since_s / duration_s)) } else { 0.0 }
+    let gust = |speed_m_per_s: f64, since_s: f64, duration_s: f64| {
+        let once = Gusts { speed_m_per_s, duration_s, start_s: 0.0, pause_s: f64::INFINITY };
+        once.wind_m_per_s(since_s)
     };
     let at = |k: usize| {
         let since_s = k as f64 * spec.sampling.period_s - start_s;
