@@ -448,17 +448,19 @@ impl Detector {
             let u = Input { delta_rad, ..u };
             let stale = self.compare(y);
             let a_x_m_per_s2 = self.follow(y);
+            let vehicle = &self.observer.model.vehicle;
+            let driven_m_per_s2 = vehicle.driven_m_per_s2(y.v_x_m_per_s, u.t_eng_n_m, a_x_m_per_s2);
             if self.enabled {
                 self.track(y);
                 if self.state.tracking {
-                    self.observe(y, u, slowest_rad - delta_rad, a_x_m_per_s2);
+                    self.observe(y, u, slowest_rad - delta_rad, [a_x_m_per_s2, driven_m_per_s2]);
                 }
                 self.decide(y, stale);
             } else {
                 self.rest();
             }
             if self.state.followed > 0 {
-                self.references.advance(&mut self.state.motions, y, a_x_m_per_s2, delta_rad);
+                self.references.advance(&mut self.state.motions, y, driven_m_per_s2, delta_rad);
             }
         }
         self.state.sample += 1;
@@ -561,8 +563,15 @@ impl Detector {
         state.responses = Responses::NONE;
     }
 
-    /// Residual and J of this sample, and z of the next.
-    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64, a_x_m_per_s2: f64) {
+    /// Residual and J of this sample, and z of the next; of the longitudinal acceleration all and what the
+    /// driver asks for.
+    fn observe(
+        &mut self,
+        y: Measurement,
+        u: Input,
+        slowest_behind_rad: f64,
+        [a_x_m_per_s2, driven_m_per_s2]: [f64; 2],
+    ) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
         if !plausible(&x_hat) {
@@ -592,7 +601,8 @@ impl Detector {
             v_x_m_per_s,
         );
         let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
-        let place = Place { x, u, slowest_behind_rad, a_x_m_per_s2, motions: state.motions };
+        let motions = state.motions;
+        let place = Place { x, u, slowest_behind_rad, a_x_m_per_s2, driven_m_per_s2, motions };
         state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &l, &place);
 
         let output = &mut state.output;

@@ -6,6 +6,8 @@
 //! - Three kinds: what is known, Euler's remainder and the transfer of axle load, which is taken out of the
 //!   residual; uncertainties, known by their bounds, which raise the threshold; the smallest fault of
 //!   interest, which says what the threshold still lets through. method 6.
+//! - The threshold takes a share of what uncertainties can do, found from drives at constant speed. While
+//!   the driver changes it they count in full, from [`CHANGING_M_PER_S2`] on.
 //! - A slope d that acts over a whole period adds `(I + T_s J / 2) T_s d`, J the model's Jacobian: the
 //!   vehicle has moved on by it when the period ends.
 
@@ -15,6 +17,10 @@ use serde::{Deserialize, Serialize};
 use crate::algebra::{product, sum};
 use crate::reference::{MOTIONS, ReferenceMotion, References};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
+
+/// Longitudinal acceleration up to which the speed counts as constant, and from which on as changing, m/s^2.
+const CONSTANT_M_PER_S2: f64 = 0.3;
+const CHANGING_M_PER_S2: f64 = 1.0;
 
 /// What is not known of vehicle, road, air and sensors: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,6 +95,8 @@ pub struct Place {
     pub slowest_behind_rad: f64,
     /// Longitudinal acceleration, m/s^2.
     pub a_x_m_per_s2: f64,
+    /// What of it the driver asks for, m/s^2.
+    pub driven_m_per_s2: f64,
     /// Reference motions, where what is uncertain of the vehicle acts.
     pub motions: [ReferenceMotion; MOTIONS],
 }
@@ -345,6 +353,8 @@ pub(crate) struct Standing {
     curves: bool,
     /// Static loads of the axles, N.
     axle_loads_n: [f64; 2],
+    /// What makes the share of the bound that the threshold takes a whole, less 1; not negative.
+    missing: f64,
 }
 
 impl Standing {
@@ -366,7 +376,16 @@ impl Standing {
             curves: deviations.euler_correction
                 || acting.iter().skip(ALONG + COMMON).any(|&acts| acts),
             axle_loads_n: vehicle.axle_loads_n(0.0),
+            missing: if raises { (1.0 / evaluation.uncertainty_share - 1.0).max(0.0) } else { 0.0 },
         }
+    }
+
+    /// How many times the slopes of what is uncertain count while the driver changes the speed by `driven`
+    /// m/s^2.
+    fn weight(&self, driven: f64) -> f64 {
+        let range = CHANGING_M_PER_S2 - CONSTANT_M_PER_S2;
+        let changing = (magnitude(driven) - CONSTANT_M_PER_S2) / range;
+        1.0 + self.missing * changing.clamp(0.0, 1.0)
     }
 
     /// Of the causes from `first` on.
@@ -488,15 +507,15 @@ impl Responses {
         l: &[[f64; 2]; 3],
         place: &Place,
     ) {
-        let Place { x, u, a_x_m_per_s2, .. } = *place;
+        let Place { x, u, a_x_m_per_s2, driven_m_per_s2, .. } = *place;
         let vehicle = &observer.model.vehicle;
         let t = observer.model.sampling_period_s;
         let jacobian = if standing.curves { vehicle.jacobian(x) } else { [[0.0; 3]; 3] };
         // M (I + T_s J / 2): what a slope that acts over the period leaves in the error.
         let held =
             if deviations.euler_correction { observer.held(&jacobian) } else { observer.gains.m };
-        let respond = |e: StateVector, slope: StateVector| {
-            sum(product(n, &e), product(&held, &slope.map(|x| t * x)))
+        let respond_for = |duration: f64, e: StateVector, slope: StateVector| {
+            sum(product(n, &e), product(&held, &slope.map(|x| duration * x)))
         };
         self.fault = sum(product(n, &self.fault), product(&held, &deviations.smallest_fault));
 
@@ -510,12 +529,14 @@ impl Responses {
             self.known = observer.respond(n, self.known, remainder);
             self.known = sum(self.known, product(&held, &transfer.map(|x| t * x)));
         } else if standing.transfers {
-            self.known = respond(self.known, transfer);
+            self.known = respond_for(t, self.known, transfer);
         }
         if !standing.any {
             return;
         }
         let uncertainty = &deviations.uncertainty;
+        let counted = standing.weight(driven_m_per_s2) * t;
+        let respond = |e, slope| respond_for(counted, e, slope);
         if standing.along {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
             for (responses, motion) in motions {

@@ -6,7 +6,8 @@
 //! there.
 //!
 //! # Conventions
-//! - Cornering stiffness goes with axle load, which braking moves to the front: the motions brake too.
+//! - Cornering stiffness goes with axle load, which the driver moves to the front by braking: the motions
+//!   brake too. What a fault does to the speed moves them no more than what it does to the yaw rate.
 //! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft
 //!   as stated; and the reverse. Near its critical speed a vehicle answers by a multiple of what the model
 //!   says.
@@ -135,20 +136,20 @@ impl Loaded {
 }
 
 impl References {
-    /// Takes the motions on by a sample, from measurement, longitudinal acceleration in m/s^2 and angle at
-    /// the road wheel in rad.
+    /// Takes the motions on by a sample, from measurement, longitudinal acceleration by the driver in m/s^2
+    /// and angle at the road wheel in rad.
     pub(crate) fn advance(
         &self,
         motions: &mut [ReferenceMotion; MOTIONS],
         y: Measurement,
-        a_x_m_per_s2: f64,
+        driven_m_per_s2: f64,
         delta_rad: f64,
     ) {
         let Measurement { v_x_m_per_s: v_x, r_rad_per_s: r } = y;
         let half = 0.5 * self.period_s;
         let transferred;
         let loaded = if self.vehicle.centre_of_gravity_height_m > 0.0 {
-            let loads = self.vehicle.load_factors(a_x_m_per_s2);
+            let loads = self.vehicle.load_factors(driven_m_per_s2);
             transferred = Loaded::new(&self.vehicle, &self.factors, self.lightness, loads);
             &transferred
         } else {

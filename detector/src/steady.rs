@@ -38,6 +38,7 @@ pub fn steady_response(
         u,
         slowest_behind_rad: 0.0,
         a_x_m_per_s2: 0.0,
+        driven_m_per_s2: 0.0,
         motions: [ReferenceMotion { v_y_m_per_s, r_rad_per_s }; MOTIONS],
     };
     let mut responses = Responses::NONE;

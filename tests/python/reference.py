@@ -48,6 +48,7 @@ NO_ALARM_TIME = -1.0
 GRAVITY = 9.80665
 ACCELERATION_FILTER_S = 0.15
 DRAWN_FROM, DRAW_PER_S = 0.6, 15.0  # of reference motions, by the critical speed
+CONSTANT, CHANGING = 0.3, 1.0  # longitudinal acceleration of a constant and a changing speed
 RELEASE = 0.8
 
 
@@ -384,6 +385,11 @@ class Reference:
         static = self.mass * GRAVITY / (self.l_f + self.l_r) * np.array([self.l_r, self.l_f])
         return self.by_forces([-front * moved / static[0], rear * moved / static[1]])
 
+    def driven(self, v_x, torque, a_x):
+        """Of the acceleration a_x what the drive torque asks for: a fault that slows down asks for nothing."""
+        asked = (torque - self.c_x * v_x**2) / self.longitudinal_inertia
+        return np.clip(a_x, min(asked, 0), max(asked, 0))
+
     def critical_speed(self, loads=(1, 1)):
         """Of the worst vehicle stated, m/s; inf where none oversteers. Stiffness is times `loads`.
 
@@ -407,7 +413,7 @@ class Reference:
         A = by_slip @ slip + [[0, -v_x], [0, -draw]]
         return A, np.array([[by_slip[0, 0], 0], [by_slip[1, 0], draw]])
 
-    def follow(self, valid, y, delta, jumped):
+    def follow(self, valid, y, torque, delta, jumped):
         """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
         n, t = len(y), self.period
         motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
@@ -428,8 +434,8 @@ class Reference:
             smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
             a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
             filtered = smoothed
-            # Cornering stiffness goes with axle load, which a_x moves.
-            moved = a_x[k] * self.height / GRAVITY
+            # Cornering stiffness goes with axle load, which the driver moves.
+            moved = self.driven(v_x, torque[k], a_x[k]) * self.height / GRAVITY
             loads = np.maximum([1 - moved / self.l_r, 1 + moved / self.l_f], 0.1)
             share = np.clip((v_x / self.critical_speed(loads) - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
             for i, (front, rear) in enumerate(factors):
@@ -535,7 +541,7 @@ class Reference:
         u[:, 1] = self.actuator.angles(command, self.period)
         behind = self.slowest.angles(command, self.period) - u[:, 1]
         stale, jumped = self._compare(valid, y, chosen(stale_after_s, self.stale_after_s))
-        followed = self.follow(valid, y, u[:, 1], jumped)
+        followed = self.follow(valid, y, u[:, 0], u[:, 1], jumped)
         runs = valid & enabled
         observed = self._observe(runs, jumped, y, u, behind, followed, z_0)
         invalid_signal = SPEED + np.argmin(proper, axis=1)
@@ -630,12 +636,17 @@ class Reference:
         motions = [[y[0], *motion] for motion in followed.motions[k]]
         along = np.array([self.along(motion, u) for motion in motions])
         common = self.common(x, u[1], behind, transfer)
+        # A share below 1 was found at constant speed.
+        driven = self.driven(y[0], u[0], followed.a_x[k])
+        changing = np.clip((abs(driven) - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
+        missing = max(1 / self.uncertainty_share - 1, 0) if self.uncertainty_share > 0 else 0
+        weight = 1 + missing * changing
         # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
         K = t * J @ self.C.T
         error = self.sensed(y[0])
         response.known = N @ response.known + self.M @ remainder + held @ (t * transfer)
-        response.along = response.along @ N.T + t * along @ held.T
-        response.common = response.common @ N.T + t * common @ held.T
+        response.along = response.along @ N.T + t * weight * along @ held.T
+        response.common = response.common @ N.T + t * weight * common @ held.T
         response.sensed = response.sensed @ N.T - error @ (L + self.M @ K).T
         response.fault = N @ response.fault + held @ self.smallest_fault
 

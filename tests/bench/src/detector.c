@@ -17,6 +17,9 @@
  * speed this fast. */
 #define DRAWN_FROM 0.6
 #define DRAW 15.0
+/* Longitudinal acceleration up to which the speed counts as constant, and from which on as changing. */
+#define CONSTANT 0.3
+#define CHANGING 1.0
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 typedef enum {
@@ -65,7 +68,7 @@ typedef struct {
     Configuration c;
     /* Constants of the sample path. */
     double b[3][2], g_phi, drag, cross, damping, slow, fast, half_square;
-    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical, factor[MOTIONS][2];
+    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical, factor[MOTIONS][2], missing;
     int along[ALONG], common[COMMON], sensed[SENSED], any, any_along, transfers;
     size_t motions;
     /* Inputs, states, outputs. */
@@ -145,6 +148,7 @@ Instance *detector_new(const Configuration *c) {
     s->transfers = c->height > 0.0;
 
     if (c->share > 0.0) {
+        s->missing = larger(1.0 / c->share - 1.0, 0.0);
         const int gust = c->q.gust_speed > 0.0 && c->q.gust_coefficient > 0.0;
         const int side_force = c->q.bank > 0.0 || gust;
         s->along[MASS] = c->q.mass > 0.0;
@@ -209,18 +213,18 @@ static void respond(double n[3][3], double m[3][3], double e[3], const double w[
     for (int i = 0; i < 3; i++) e[i] = next[i];
 }
 
-/* The same over a period, of a slope. */
-static void respond_to(const Instance *s, double n[3][3], double held[3][3], double e[3], double x, double y, double z) {
-    const double w[3] = {s->c.period * x, s->c.period * y, s->c.period * z};
+/* The same of a slope that acts for a duration. */
+static void respond_to(double n[3][3], double held[3][3], double duration, double e[3], double x, double y, double z) {
+    const double w[3] = {duration * x, duration * y, duration * z};
     respond(n, held, e, w);
 }
 
 /* The same, of axle forces on the lightest vehicle with the least yaw inertia. */
-static void respond_to_forces(const Instance *s, double n[3][3], double held[3][3], double e[3], double front, double rear) {
+static void respond_to_forces(const Instance *s, double n[3][3], double held[3][3], double duration, double e[3], double front, double rear) {
     const Configuration *c = &s->c;
     const double y = s->lighter * (front + rear) / c->mass;
     const double z = s->easier * (c->l_f * front - c->l_r * rear) / c->yaw_inertia;
-    respond_to(s, n, held, e, 0.0, y, z);
+    respond_to(n, held, duration, e, 0.0, y, z);
 }
 
 /* 1 - tanh(x) / x by a continued fraction. */
@@ -267,7 +271,7 @@ static double bound(const Instance *s, double v_x) {
 }
 
 /* Responses to what is known, to what is uncertain and to the smallest fault: method 6. */
-static void advance_responses(Instance *s, double n[3][3], double l[3][2], double v_x, double v_y, double r, double delta, double a_x) {
+static void advance_responses(Instance *s, double n[3][3], double l[3][2], double v_x, double v_y, double r, double delta, double a_x, double driven) {
     const Configuration *c = &s->c;
     const double t_eng = s->u[0], period = c->period;
     /* Jacobian of (3). */
@@ -314,9 +318,12 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
         for (int i = 0; i < 3; i++)
             s->known[i] += 0.0 + held[i][0] * w[0] + held[i][1] * w[1] + held[i][2] * w[2];
     } else if (s->transfers) {
-        respond_to(s, n, held, s->known, 0.0, transfer[0], transfer[1]);
+        respond_to(n, held, period, s->known, 0.0, transfer[0], transfer[1]);
     }
     if (!s->any) return;
+    /* While the driver changes the speed the whole bound counts. */
+    const double changing = (fabs(driven) - CONSTANT) / (CHANGING - CONSTANT);
+    const double counted = (1.0 + s->missing * smaller(larger(changing, 0.0), 1.0)) * period;
 
     const double longitudinal = (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia;
     for (size_t i = 0; s->any_along && i < s->motions; i++) {
@@ -325,13 +332,13 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
         const double f = 2.0 * c->c_f * (delta - (x[0] + c->l_f * x[1]) / v_x);
         const double b = 2.0 * c->c_r * ((c->l_r * x[1] - x[0]) / v_x);
         if (s->along[MASS])
-            respond_to(s, n, held, e[MASS], c->q.mass * longitudinal, c->q.mass * (f + b - c->c_y * x[0] * x[0]) / c->mass, 0.0);
+            respond_to(n, held, counted, e[MASS], c->q.mass * longitudinal, c->q.mass * (f + b - c->c_y * x[0] * x[0]) / c->mass, 0.0);
         if (s->along[YAW_INERTIA])
-            respond_to(s, n, held, e[YAW_INERTIA], 0.0, 0.0, c->q.yaw_inertia * (c->l_f * f - c->l_r * b) / c->yaw_inertia);
-        if (s->along[FRONT_STIFFNESS]) respond_to_forces(s, n, held, e[FRONT_STIFFNESS], c->q.front * f, 0.0);
-        if (s->along[REAR_STIFFNESS]) respond_to_forces(s, n, held, e[REAR_STIFFNESS], 0.0, c->q.rear * b);
+            respond_to(n, held, counted, e[YAW_INERTIA], 0.0, 0.0, c->q.yaw_inertia * (c->l_f * f - c->l_r * b) / c->yaw_inertia);
+        if (s->along[FRONT_STIFFNESS]) respond_to_forces(s, n, held, counted, e[FRONT_STIFFNESS], c->q.front * f, 0.0);
+        if (s->along[REAR_STIFFNESS]) respond_to_forces(s, n, held, counted, e[REAR_STIFFNESS], 0.0, c->q.rear * b);
         if (s->along[FRICTION])
-            respond_to_forces(s, n, held, e[FRICTION], -f * deficit(f / s->front_holds), -b * deficit(b / s->rear_holds));
+            respond_to_forces(s, n, held, counted, e[FRICTION], -f * deficit(f / s->front_holds), -b * deficit(b / s->rear_holds));
     }
 
     double(*e)[3] = s->of_common;
@@ -339,16 +346,16 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
     const double gust = c->q.gust_coefficient * wind * sqrt(v_x * v_x + wind * wind);
     const double bank = c->mass * c->q.bank, by_steering = 2.0 * c->c_f;
     if (s->common[LOAD_TRANSFER])
-        respond_to(s, n, held, e[LOAD_TRANSFER], 0.0, c->q.load_transfer * transfer[0], c->q.load_transfer * transfer[1]);
-    if (s->common[BANK]) respond_to(s, n, held, e[BANK], 0.0, c->q.bank, 0.0);
+        respond_to(n, held, counted, e[LOAD_TRANSFER], 0.0, c->q.load_transfer * transfer[0], c->q.load_transfer * transfer[1]);
+    if (s->common[BANK]) respond_to(n, held, counted, e[BANK], 0.0, c->q.bank, 0.0);
     if (s->common[GUST])
-        respond_to(s, n, held, e[GUST], 0.0, s->lighter * gust / c->mass, s->easier * c->q.gust_ahead * gust / c->yaw_inertia);
-    if (s->common[RATIO]) respond_to_forces(s, n, held, e[RATIO], by_steering * (c->q.ratio * delta), 0.0);
-    if (s->common[OFFSET]) respond_to_forces(s, n, held, e[OFFSET], by_steering * c->q.offset, 0.0);
+        respond_to(n, held, counted, e[GUST], 0.0, s->lighter * gust / c->mass, s->easier * c->q.gust_ahead * gust / c->yaw_inertia);
+    if (s->common[RATIO]) respond_to_forces(s, n, held, counted, e[RATIO], by_steering * (c->q.ratio * delta), 0.0);
+    if (s->common[OFFSET]) respond_to_forces(s, n, held, counted, e[OFFSET], by_steering * c->q.offset, 0.0);
     if (s->common[FRONT_SIDE_FORCE])
-        respond_to_forces(s, n, held, e[FRONT_SIDE_FORCE], c->q.front * ((bank * c->l_r + gust * s->front_lever) / s->wheelbase), 0.0);
+        respond_to_forces(s, n, held, counted, e[FRONT_SIDE_FORCE], c->q.front * ((bank * c->l_r + gust * s->front_lever) / s->wheelbase), 0.0);
     if (s->common[REAR_SIDE_FORCE])
-        respond_to_forces(s, n, held, e[REAR_SIDE_FORCE], 0.0, c->q.rear * ((bank * c->l_f + gust * s->rear_lever) / s->wheelbase));
+        respond_to_forces(s, n, held, counted, e[REAR_SIDE_FORCE], 0.0, c->q.rear * ((bank * c->l_f + gust * s->rear_lever) / s->wheelbase));
 
     for (int k = 0; k < SENSED; k++) {
         if (!s->sensed[k]) continue;
@@ -365,10 +372,10 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
 }
 
 /* Takes the reference motions on by the trapezoidal rule. */
-static void advance_motions(Instance *s, double v_x, double r, double a_x, double delta) {
+static void advance_motions(Instance *s, double v_x, double r, double driven, double delta) {
     const double half = 0.5 * s->c.period;
     if (s->transfers) {
-        const double moved = a_x * s->c.height / GRAVITY;
+        const double moved = driven * s->c.height / GRAVITY;
         load_motions(s, larger(1.0 - moved / s->c.l_r, 0.1), larger(1.0 + moved / s->c.l_f, 0.1));
     }
     const double share = (v_x / s->critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
@@ -440,8 +447,10 @@ static void run_sample(Instance *s) {
         const double most = bound(s, v_x);
         uncertain = push(&s->uncertain, most * most, c->window);
     }
-    advance_responses(s, n, l, v_x, v_y, r, delta, a_x);
-    advance_motions(s, v_x, r, a_x, delta);
+    const double asked = (s->u[0] - c->c_x * v_x * v_x) / c->longitudinal_inertia;
+    const double driven = asked > 0.0 ? larger(smaller(a_x, asked), 0.0) : smaller(larger(a_x, asked), 0.0);
+    advance_responses(s, n, l, v_x, v_y, r, delta, a_x, driven);
+    advance_motions(s, v_x, r, driven, delta);
     s->j_rms = push(&s->j, square(c, s->residual[0], s->residual[1]), c->window);
 
     /* Threshold with its start-up term. */
