@@ -22,7 +22,8 @@ Behaviour stated here and nowhere in the equations
   once estimate and measurement are back in the armed range.
 - Switched off, no observer runs, no alarm stands and no count is kept; reference motions go on.
 - v_x and r both unchanged for longer than a stated time, v_x in its range, are stale: observer and
-  window go on, detectability is 0. Where they then jump, observer and motions start anew.
+  window go on, detectability is 0. Where they then jump, or the command moved longer ago than that time,
+  observer and motions start anew.
 - Reference motions are followed while v_x lies in its range, from the first measurement on.
 - Alarm by range: r or the estimate of v_y lies outside S_x and all reference motions, followed for more
   than a window, lie in the armed range.
@@ -540,7 +541,7 @@ class Reference:
         command -= chosen(steering_offset, self.steering_offset)
         u[:, 1] = self.actuator.angles(command, self.period)
         behind = self.slowest.angles(command, self.period) - u[:, 1]
-        stale, jumped = self._compare(valid, y, chosen(stale_after_s, self.stale_after_s))
+        stale, jumped = self._compare(valid, y, command, chosen(stale_after_s, self.stale_after_s))
         followed = self.follow(valid, y, u[:, 0], u[:, 1], jumped)
         runs = valid & enabled
         observed = self._observe(runs, jumped, y, u, behind, followed, z_0)
@@ -558,21 +559,28 @@ class Reference:
             chosen(alarm_hold_s, self.alarm_hold_s),
         )
 
-    def _compare(self, valid, y, after_s):
-        """Which samples are stale, and which end that with a jump."""
+    def _compare(self, valid, y, command, after_s):
+        """Which samples are stale, and which end that with a jump or after steering without an answer."""
         n = len(y)
         stale, jumped = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-        unchanged, last = 0, None
+        # An inadmissible command leaves the last one standing.
+        told = np.maximum.accumulate(np.where(np.isnan(command), 0, np.arange(n)))
+        steered = np.append(False, command[told[1:]] != command[told[:-1]])
+        unchanged, last, moved = 0, None, None
         for k in np.flatnonzero(valid):
             if k > 0 and not valid[k - 1]:
-                unchanged = 0
+                unchanged, moved = 0, None
             here = within(y[k, 0], self.bounds[0])
             if last is not None and y[k].tobytes() == last.tobytes():
                 unchanged += 1
+                if moved is None and steered[k]:
+                    moved = k
             else:
                 was_stale = 0 < after_s < unchanged * self.period
-                jumped[k] = here and was_stale and (np.abs(y[k] - last) > self.jumps).any()
-                unchanged = 0
+                unanswered = moved is not None and after_s < (k - moved) * self.period
+                leaps = unanswered or (last is not None and (np.abs(y[k] - last) > self.jumps).any())
+                jumped[k] = here and was_stale and leaps
+                unchanged, moved = 0, None
             stale[k] = here and 0 < after_s < unchanged * self.period
             last = y[k]
         return stale, jumped

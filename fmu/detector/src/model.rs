@@ -486,6 +486,7 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
         filtered_v_x_m_per_s,
         last,
         unchanged,
+        unanswered,
         exceedances,
         clear,
         output,
@@ -522,7 +523,7 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
     archive.real(filtered_v_x_m_per_s);
     archive.real(&mut last.v_x_m_per_s);
     archive.real(&mut last.r_rad_per_s);
-    for count in [followed, unchanged, exceedances, clear] {
+    for count in [followed, unchanged, unanswered, exceedances, clear] {
         archive.u32(count);
     }
 
