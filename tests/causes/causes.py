@@ -128,8 +128,9 @@ DRIVEN = [
     ("yaw moment of 1000 N m for 1 s, as a disturbance", "", BRAKE, brake, brake),
     ("yaw moment of 3000 N m for 0.5 s, `enabled` false", "", "",
      lambda plant, detector: brake(plant, detector, 3000.0, 0.5), disabled),
-    ("v_x and r stand for 1 s, `stale_after_s` 0.2", "", "",
-     lambda plant, detector: stale(plant, detector, {"stale_after_s": 0.0}), stale),
+    ("v_x and r stand for 1 s, `stale_after_s` 0.1", "", "",
+     lambda plant, detector: stale(plant, detector, {"stale_after_s": 0.0}),
+     lambda plant, detector: stale(plant, detector, {"stale_after_s": 0.1})),
     ("reversing, `v_x` signed", "", "",
      lambda plant, detector: reversing(detector, -1), lambda plant, detector: reversing(detector, 1)),
 ]  # fmt: skip
