@@ -6,8 +6,8 @@ use crate::deviation::Standing;
 use crate::reference::References;
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
-    MOTIONS, Measurement, Observer, OperatingRange, Place, RELEASE, ReferenceMotion, Responses,
-    Rms, Signal, Staleness, StartUp, StateVector, VehicleState, Zero,
+    Loading, MOTIONS, Measurement, Observer, OperatingRange, Place, RELEASE, ReferenceMotion,
+    Responses, Rms, Signal, Staleness, StartUp, StateVector, VehicleState, Zero,
 };
 
 /// An estimate of this magnitude is lost, in SI units: a sample that starts below it cannot overflow.
@@ -454,18 +454,19 @@ impl Detector {
             let stale = self.compare(y, self.state.actuator.command != before);
             let a_x_m_per_s2 = self.follow(y);
             let vehicle = &self.observer.model.vehicle;
-            let driven_m_per_s2 = vehicle.driven_m_per_s2(y.v_x_m_per_s, u.t_eng_n_m, a_x_m_per_s2);
+            let uncertainty = &self.deviations.uncertainty;
+            let loading = uncertainty.loading(vehicle, y.v_x_m_per_s, u.t_eng_n_m, a_x_m_per_s2);
             if self.enabled {
                 self.track(y);
                 if self.state.tracking {
-                    self.observe(y, u, slowest_rad - delta_rad, [a_x_m_per_s2, driven_m_per_s2]);
+                    self.observe(y, u, slowest_rad - delta_rad, loading);
                 }
                 self.decide(y, stale);
             } else {
                 self.rest();
             }
             if self.state.followed > 0 {
-                self.references.advance(&mut self.state.motions, y, driven_m_per_s2, delta_rad);
+                self.references.advance(&mut self.state.motions, y, delta_rad, &loading);
             }
         }
         self.state.sample += 1;
@@ -573,15 +574,8 @@ impl Detector {
         state.responses = Responses::NONE;
     }
 
-    /// Residual and J of this sample, and z of the next; of the longitudinal acceleration all and what the
-    /// driver asks for.
-    fn observe(
-        &mut self,
-        y: Measurement,
-        u: Input,
-        slowest_behind_rad: f64,
-        [a_x_m_per_s2, driven_m_per_s2]: [f64; 2],
-    ) {
+    /// Residual and J of this sample, and z of the next.
+    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64, loading: Loading) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
         if !plausible(&x_hat) {
@@ -611,8 +605,7 @@ impl Detector {
             v_x_m_per_s,
         );
         let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
-        let motions = state.motions;
-        let place = Place { x, u, slowest_behind_rad, a_x_m_per_s2, driven_m_per_s2, motions };
+        let place = Place { x, u, slowest_behind_rad, loading, motions: state.motions };
         state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &l, &place);
 
         let output = &mut state.output;

@@ -6,8 +6,6 @@
 //! - Three kinds: what is known, Euler's remainder and the transfer of axle load, which is taken out of the
 //!   residual; uncertainties, known by their bounds, which raise the threshold; the smallest fault of
 //!   interest, which says what the threshold still lets through. method 6.
-//! - The threshold takes a share of what uncertainties can do, found from drives at constant speed. While
-//!   the driver changes it they count in full, from [`CHANGING_M_PER_S2`] on.
 //! - A slope d that acts over a whole period adds `(I + T_s J / 2) T_s d`, J the model's Jacobian: the
 //!   vehicle has moved on by it when the period ends.
 
@@ -17,10 +15,6 @@ use serde::{Deserialize, Serialize};
 use crate::algebra::{product, sum};
 use crate::reference::{MOTIONS, ReferenceMotion, References};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
-
-/// Longitudinal acceleration up to which the speed counts as constant, and from which on as changing, m/s^2.
-const CONSTANT_M_PER_S2: f64 = 0.3;
-const CHANGING_M_PER_S2: f64 = 1.0;
 
 /// What is not known of vehicle, road, air and sensors: bounds, not negative, 0 for what is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,12 +87,30 @@ pub struct Place {
     pub u: Input,
     /// The angle of the slowest actuator less that angle, rad.
     pub slowest_behind_rad: f64,
-    /// Longitudinal acceleration, m/s^2.
-    pub a_x_m_per_s2: f64,
-    /// What of it the driver asks for, m/s^2.
-    pub driven_m_per_s2: f64,
+    /// What loads the axles.
+    pub loading: Loading,
     /// Reference motions, where what is uncertain of the vehicle acts.
     pub motions: [ReferenceMotion; MOTIONS],
+}
+
+/// What loads the axles at a sample, beside the static loads and the forces that steering asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Loading {
+    /// Longitudinal acceleration as measured, m/s^2.
+    pub a_x_m_per_s2: f64,
+    /// That which the drive torque asks for, m/s^2.
+    pub asked_m_per_s2: f64,
+    /// Lateral forces of the axles, front and rear, that bank and gust ask for at their bounds, N.
+    pub aside_n: [f64; 2],
+}
+
+impl Loading {
+    /// Of the measured acceleration what the drive torque asks for, m/s^2: nothing of what a fault does to
+    /// the speed is in it.
+    pub(crate) fn driven_m_per_s2(&self) -> f64 {
+        let Self { a_x_m_per_s2: a_x, asked_m_per_s2: asked, .. } = *self;
+        if asked > 0.0 { a_x.min(asked).max(0.0) } else { a_x.max(asked).min(0.0) }
+    }
 }
 
 /// The uncertainties by name.
@@ -114,7 +126,7 @@ pub enum Cause {
     RearStiffness,
     /// Tyres that saturate.
     Friction,
-    /// Transfer of axle load.
+    /// Transfer of axle load: of what size, when, and where the vehicle is.
     LoadTransfer,
     /// Bank of the road.
     Bank,
@@ -139,9 +151,9 @@ pub enum Cause {
 /// Number of causes.
 pub const CAUSES: usize = 15;
 /// The first causes act along the reference motions,
-const ALONG: usize = 5;
+const ALONG: usize = 6;
 /// the next on the vehicle wherever it is,
-const COMMON: usize = 8;
+const COMMON: usize = 7;
 /// and the last on the measurement.
 const SENSED: usize = 2;
 
@@ -188,7 +200,13 @@ impl Uncertainty {
     /// The reference motions of `vehicle`.
     pub(crate) fn references(&self, vehicle: &Vehicle, period_s: f64) -> References {
         let stiffnesses = [self.front_cornering_stiffness, self.rear_cornering_stiffness];
-        References::new(vehicle, stiffnesses, self.mass, period_s)
+        References::new(
+            vehicle,
+            stiffnesses,
+            [self.mass, self.load_transfer],
+            self.friction,
+            period_s,
+        )
     }
 
     /// The slowest that an `actuator` may be.
@@ -200,25 +218,47 @@ impl Uncertainty {
         }
     }
 
+    /// Whether bank or gust push the vehicle aside.
+    fn pushes(&self) -> bool {
+        self.bank_m_per_s2 > 0.0 || self.gust.blows()
+    }
+
+    /// What loads the axles of `vehicle` at speed `v_x` in m/s, under a drive torque in N m, at the measured
+    /// longitudinal acceleration in m/s^2.
+    pub(crate) fn loading(
+        &self,
+        vehicle: &Vehicle,
+        v_x: f64,
+        t_eng_n_m: f64,
+        a_x_m_per_s2: f64,
+    ) -> Loading {
+        let asked = t_eng_n_m - vehicle.cruise_torque(v_x);
+        Loading {
+            a_x_m_per_s2,
+            asked_m_per_s2: asked / vehicle.effective_longitudinal_inertia_kg_m,
+            aside_n: self.aside_n(vehicle, v_x),
+        }
+    }
+
     /// Whether a cause is more than nothing.
     fn acts(&self, cause: Cause, vehicle: &Vehicle) -> bool {
-        let side_force = self.bank_m_per_s2 > 0.0 || self.gust.blows();
+        let side_force = self.pushes();
+        let transfers = vehicle.centre_of_gravity_height_m > 0.0;
+        let [front, rear] = [self.front_cornering_stiffness, self.rear_cornering_stiffness];
         match cause {
             Cause::Mass => self.mass > 0.0,
             Cause::YawInertia => self.yaw_inertia > 0.0,
-            Cause::FrontStiffness => self.front_cornering_stiffness > 0.0,
-            Cause::RearStiffness => self.rear_cornering_stiffness > 0.0,
+            Cause::FrontStiffness => front > 0.0,
+            Cause::RearStiffness => rear > 0.0,
             Cause::Friction => self.friction.is_some(),
-            Cause::LoadTransfer => {
-                self.load_transfer > 0.0 && vehicle.centre_of_gravity_height_m > 0.0
-            }
+            Cause::LoadTransfer => transfers && self.load_transfer.max(front).max(rear) > 0.0,
             Cause::Bank => self.bank_m_per_s2 > 0.0,
             Cause::Gust => self.gust.blows(),
             Cause::Actuator => self.actuator_lag_s > 0.0 || self.actuator_delay_s > 0.0,
             Cause::SteeringRatio => self.steering_ratio > 0.0,
             Cause::SteeringOffset => self.steering_offset_rad > 0.0,
-            Cause::FrontUnderSideForce => side_force && self.front_cornering_stiffness > 0.0,
-            Cause::RearUnderSideForce => side_force && self.rear_cornering_stiffness > 0.0,
+            Cause::FrontUnderSideForce => side_force && (front > 0.0 || transfers),
+            Cause::RearUnderSideForce => side_force && (rear > 0.0 || transfers),
             Cause::YawRateBias => self.yaw_rate_bias_rad_per_s > 0.0,
             Cause::SpeedScale => self.v_x_scale > 0.0,
         }
@@ -235,45 +275,72 @@ impl Uncertainty {
         ]
     }
 
-    /// What each cause that acts along a motion adds to x', at `x` of that motion, under static axle loads in
-    /// N.
+    /// What each cause that acts along a motion adds to x', at `x` of that motion; `modelled` are the axle
+    /// forces in N at which the known transfer of axle load is taken.
     fn along(
         &self,
         vehicle: &Vehicle,
-        [front_load, rear_load]: [f64; 2],
+        place: &Place,
         x: VehicleState,
-        u: Input,
+        modelled: [f64; 2],
     ) -> [StateVector; ALONG] {
+        let Place { u, loading: Loading { a_x_m_per_s2: a_x, asked_m_per_s2, aside_n }, .. } =
+            *place;
         let [v_x, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-        let [front, rear] = vehicle.axle_forces(x, u.delta_rad);
+        let at_rest = vehicle.axle_forces(x, u.delta_rad);
+        let loads = vehicle.load_factors(a_x);
+        let [front, rear] = [at_rest[0] * loads[0], at_rest[1] * loads[1]];
+        let [front_held, rear_held] = vehicle.axle_loads_n(0.0);
         let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
         let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
             / vehicle.effective_longitudinal_inertia_kg_m;
         let saturated = self.friction.map_or([0.0; 3], |friction| {
-            let missing = |force: f64, load: f64| -force * deficit(force / (friction * load));
-            self.of_forces(vehicle, missing(front, front_load), missing(rear, rear_load))
+            // Force and load go together: the share that is missing is that at rest.
+            let missing = |at_rest: f64, aside: f64, held: f64| {
+                let most = magnitude(at_rest) + aside;
+                let missing = most * deficit(most / (friction * held));
+                if at_rest > 0.0 { missing } else { -missing }
+            };
+            let of_front = loads[0] * missing(at_rest[0], aside_n[0], front_held);
+            let of_rear = loads[1] * missing(at_rest[1], aside_n[1], rear_held);
+            self.of_forces(vehicle, -of_front, -of_rear)
         });
+        // The transfer that is known is taken where the vehicle as modelled is, and its size from the speed.
+        let unknown = self.load_transfer * magnitude(a_x) + magnitude(asked_m_per_s2 - a_x);
+        let along_it = if a_x < 0.0 { -unknown } else { unknown };
+        let elsewhere = [at_rest[0] - modelled[0], at_rest[1] - modelled[1]];
+        let transferred =
+            sum(vehicle.load_transfer(elsewhere, a_x), vehicle.load_transfer(at_rest, along_it));
         [
             [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
             [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
             self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
             self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),
             saturated,
+            transferred,
         ]
     }
 
-    /// What each cause that acts wherever the vehicle is adds to x'; `transfer` is what the known transfer
-    /// of axle load adds.
-    fn common(
-        &self,
-        vehicle: &Vehicle,
-        place: &Place,
-        transfer: StateVector,
-    ) -> [StateVector; COMMON] {
+    /// Axle forces in N, front and rear, that hold the vehicle straight against bank and gust at speed `v_x`
+    /// in m/s, each at its bound.
+    fn aside_n(&self, vehicle: &Vehicle, v_x: f64) -> [f64; 2] {
+        if !self.pushes() {
+            return [0.0; 2];
+        }
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
         let wheelbase = l_f + l_r;
+        let (gust, ahead) = (self.gust.side_force(v_x), self.gust.acting_ahead_m);
+        let bank = vehicle.mass_kg * self.bank_m_per_s2;
+        [
+            (bank * l_r + gust * magnitude(l_r + ahead)) / wheelbase,
+            (bank * l_f + gust * magnitude(l_f - ahead)) / wheelbase,
+        ]
+    }
+
+    /// What each cause that acts wherever the vehicle is adds to x'.
+    fn common(&self, vehicle: &Vehicle, place: &Place) -> [StateVector; COMMON] {
         let by_steering = 2.0 * vehicle.front_cornering_stiffness_n_per_rad;
         let turned = |angle_rad: f64| self.of_forces(vehicle, by_steering * angle_rad, 0.0);
         let gust = self.gust.side_force(place.x.v_x_m_per_s);
@@ -283,19 +350,18 @@ impl Uncertainty {
             (1.0 + self.mass) * gust / vehicle.mass_kg,
             (1.0 + self.yaw_inertia) * ahead * gust / vehicle.yaw_inertia_kg_m2,
         ];
-        // Axle forces that hold the vehicle straight against bank and gust.
-        let bank = vehicle.mass_kg * self.bank_m_per_s2;
-        let front = (bank * l_r + gust * magnitude(l_r + ahead)) / wheelbase;
-        let rear = (bank * l_f + gust * magnitude(l_f - ahead)) / wheelbase;
+        let [front, rear] = place.loading.aside_n;
+        // By as much the stiffness may be another, load and tyre together.
+        let other = |tyre: f64, load: f64| tyre * load + magnitude(load - 1.0);
+        let loads = vehicle.load_factors(place.loading.a_x_m_per_s2);
         [
-            transfer.map(|x| self.load_transfer * x),
             [0.0, self.bank_m_per_s2, 0.0],
             of_gust,
             turned(place.slowest_behind_rad),
             turned(self.steering_ratio * place.u.delta_rad),
             turned(self.steering_offset_rad),
-            self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
-            self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),
+            self.of_forces(vehicle, other(self.front_cornering_stiffness, loads[0]) * front, 0.0),
+            self.of_forces(vehicle, 0.0, other(self.rear_cornering_stiffness, loads[1]) * rear),
         ]
     }
 
@@ -307,13 +373,13 @@ impl Uncertainty {
 
 /// `1 - tanh(x) / x`, the share of a linear tyre's force that is missing where it asks for x times what
 /// friction holds; from above, by a continued fraction: by at most 0.7 % of the force for |x| below 3.
-fn deficit(x: f64) -> f64 {
+pub(crate) fn deficit(x: f64) -> f64 {
     let square = x * x;
     let fraction = square / (3.0 + square / (5.0 + square / 7.0));
     fraction / (1.0 + fraction)
 }
 
-fn magnitude(x: f64) -> f64 {
+pub(crate) fn magnitude(x: f64) -> f64 {
     x.max(-x)
 }
 
@@ -351,10 +417,6 @@ pub(crate) struct Standing {
     transfers: bool,
     /// Whether something asks for the model's Jacobian.
     curves: bool,
-    /// Static loads of the axles, N.
-    axle_loads_n: [f64; 2],
-    /// What makes the share of the bound that the threshold takes a whole, less 1; not negative.
-    missing: f64,
 }
 
 impl Standing {
@@ -375,17 +437,7 @@ impl Standing {
             transfers: vehicle.centre_of_gravity_height_m > 0.0,
             curves: deviations.euler_correction
                 || acting.iter().skip(ALONG + COMMON).any(|&acts| acts),
-            axle_loads_n: vehicle.axle_loads_n(0.0),
-            missing: if raises { (1.0 / evaluation.uncertainty_share - 1.0).max(0.0) } else { 0.0 },
         }
-    }
-
-    /// How many times the slopes of what is uncertain count while the driver changes the speed by `driven`
-    /// m/s^2.
-    fn weight(&self, driven: f64) -> f64 {
-        let range = CHANGING_M_PER_S2 - CONSTANT_M_PER_S2;
-        let changing = (magnitude(driven) - CONSTANT_M_PER_S2) / range;
-        1.0 + self.missing * changing.clamp(0.0, 1.0)
     }
 
     /// Of the causes from `first` on.
@@ -507,41 +559,44 @@ impl Responses {
         l: &[[f64; 2]; 3],
         place: &Place,
     ) {
-        let Place { x, u, a_x_m_per_s2, driven_m_per_s2, .. } = *place;
+        let Place { x, u, loading: Loading { a_x_m_per_s2, .. }, .. } = *place;
         let vehicle = &observer.model.vehicle;
         let t = observer.model.sampling_period_s;
         let jacobian = if standing.curves { vehicle.jacobian(x) } else { [[0.0; 3]; 3] };
         // M (I + T_s J / 2): what a slope that acts over the period leaves in the error.
         let held =
             if deviations.euler_correction { observer.held(&jacobian) } else { observer.gains.m };
-        let respond_for = |duration: f64, e: StateVector, slope: StateVector| {
-            sum(product(n, &e), product(&held, &slope.map(|x| duration * x)))
+        let respond = |e: StateVector, slope: StateVector| {
+            sum(product(n, &e), product(&held, &slope.map(|x| t * x)))
         };
         self.fault = sum(product(n, &self.fault), product(&held, &deviations.smallest_fault));
 
-        let forces = vehicle.axle_forces(x, u.delta_rad);
-        let transfer =
-            if standing.transfers { vehicle.load_transfer(forces, a_x_m_per_s2) } else { [0.0; 3] };
+        let [modelled, ..] = place.motions.map(|motion| motion.at(x.v_x_m_per_s));
+        let modelled = vehicle.axle_forces(modelled, u.delta_rad);
+        let transfer = if standing.transfers {
+            vehicle.load_transfer(modelled, a_x_m_per_s2)
+        } else {
+            [0.0; 3]
+        };
         if deviations.euler_correction {
             // x(t + T_s) = x + T_s x' + T_s^2/2 x'' + ...: Euler's step has all but the last.
+            let forces = vehicle.axle_forces(x, u.delta_rad);
             let x_dot = vehicle.derivative_under(x, u.t_eng_n_m, forces);
             let remainder = product(&jacobian, &x_dot).map(|x| 0.5 * t * t * x);
             self.known = observer.respond(n, self.known, remainder);
             self.known = sum(self.known, product(&held, &transfer.map(|x| t * x)));
         } else if standing.transfers {
-            self.known = respond_for(t, self.known, transfer);
+            self.known = respond(self.known, transfer);
         }
         if !standing.any {
             return;
         }
         let uncertainty = &deviations.uncertainty;
-        let counted = standing.weight(driven_m_per_s2) * t;
-        let respond = |e, slope| respond_for(counted, e, slope);
         if standing.along {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
             for (responses, motion) in motions {
                 let x = motion.at(x.v_x_m_per_s);
-                let slopes = uncertainty.along(vehicle, standing.axle_loads_n, x, u);
+                let slopes = uncertainty.along(vehicle, place, x, modelled);
                 for ((e, slope), acts) in responses.iter_mut().zip(slopes).zip(standing.acting(0)) {
                     if *acts {
                         *e = respond(*e, slope);
@@ -549,7 +604,7 @@ impl Responses {
                 }
             }
         }
-        let slopes = uncertainty.common(vehicle, place, transfer);
+        let slopes = uncertainty.common(vehicle, place);
         for ((e, slope), acts) in self.common.iter_mut().zip(slopes).zip(standing.acting(ALONG)) {
             if *acts {
                 *e = respond(*e, slope);

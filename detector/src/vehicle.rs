@@ -158,14 +158,6 @@ impl Vehicle {
         ]
     }
 
-    /// Of the longitudinal acceleration `a_x` in m/s^2 what the driver asks for by the drive torque: nothing
-    /// of what a fault does to the speed is in it.
-    pub fn driven_m_per_s2(&self, v_x_m_per_s: f64, t_eng_n_m: f64, a_x: f64) -> f64 {
-        let asked = (t_eng_n_m - self.cruise_torque(v_x_m_per_s))
-            / self.effective_longitudinal_inertia_kg_m;
-        if asked > 0.0 { a_x.min(asked).max(0.0) } else { a_x.max(asked).min(0.0) }
-    }
-
     /// Drive torque in N m at the wheels that holds a speed on a straight road.
     pub fn cruise_torque(&self, v_x_m_per_s: f64) -> f64 {
         self.longitudinal_drag_n_m_s2_per_m2 * v_x_m_per_s * v_x_m_per_s
