@@ -251,7 +251,7 @@ impl Uncertainty {
             Cause::FrontStiffness => front > 0.0,
             Cause::RearStiffness => rear > 0.0,
             Cause::Friction => self.friction.is_some(),
-            Cause::LoadTransfer => transfers && self.load_transfer.max(front).max(rear) > 0.0,
+            Cause::LoadTransfer => transfers,
             Cause::Bank => self.bank_m_per_s2 > 0.0,
             Cause::Gust => self.gust.blows(),
             Cause::Actuator => self.actuator_lag_s > 0.0 || self.actuator_delay_s > 0.0,
@@ -294,8 +294,6 @@ impl Uncertainty {
         let [front, rear] = [at_rest[0] * loads[0], at_rest[1] * loads[1]];
         let [front_held, rear_held] = vehicle.axle_loads_n(0.0);
         let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
-        let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
-            / vehicle.effective_longitudinal_inertia_kg_m;
         let saturated = self.friction.map_or([0.0; 3], |friction| {
             // Force and load go together: the share that is missing is that at rest.
             let missing = |at_rest: f64, aside: f64, held: f64| {
@@ -314,7 +312,7 @@ impl Uncertainty {
         let transferred =
             sum(vehicle.load_transfer(elsewhere, a_x), vehicle.load_transfer(at_rest, along_it));
         [
-            [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
+            [self.mass * asked_m_per_s2, self.mass * (front + rear - drag) / m, 0.0],
             [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
             self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
             self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),

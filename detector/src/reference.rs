@@ -126,6 +126,7 @@ impl References {
     ) -> Self {
         let softest = |c: f64| (1.0 - c).max(0.1);
         let factors = [[1.0, 1.0], [1.0 + c_f, softest(c_r)], [softest(c_f), 1.0 + c_r]];
+        let uncertain = c_f.max(c_r).max(mass).max(load_transfer);
         // M' = M / (1 - mass).
         let lightness = (1.0 - mass).max(0.1);
         Self {
@@ -134,7 +135,7 @@ impl References {
             lightness,
             transfer: 1.0 + load_transfer,
             friction,
-            distinct: if c_f.max(c_r).max(mass) > 0.0 || friction.is_some() { MOTIONS } else { 1 },
+            distinct: if uncertain > 0.0 || friction.is_some() { MOTIONS } else { 1 },
             at_rest: Stiffnesses::new(vehicle, &factors, lightness),
             period_s,
         }

@@ -49,7 +49,6 @@ NO_ALARM_TIME = -1.0
 GRAVITY = 9.80665
 ACCELERATION_FILTER_S = 0.15
 DRAWN_FROM, DRAW_PER_S = 0.6, 15.0  # of reference motions, by the critical speed
-CONSTANT, CHANGING = 0.3, 1.0  # longitudinal acceleration of a constant and a changing speed
 RELEASE = 0.8
 
 
@@ -379,48 +378,79 @@ class Reference:
             ]
         )
 
-    def load_transfer(self, x, delta, a_x):
+    def load_transfer(self, forces, a_x):
         """x' of what cornering stiffness, in proportion to axle load, gains and loses (method 2)."""
-        front, rear = self.axle_forces(x, delta)
+        front, rear = forces
         moved = self.mass * a_x * self.height / (self.l_f + self.l_r)  # from front to rear, N
         static = self.mass * GRAVITY / (self.l_f + self.l_r) * np.array([self.l_r, self.l_f])
         return self.by_forces([-front * moved / static[0], rear * moved / static[1]])
 
-    def driven(self, v_x, torque, a_x):
-        """Of the acceleration a_x what the drive torque asks for: a fault that slows down asks for nothing."""
-        asked = (torque - self.c_x * v_x**2) / self.longitudinal_inertia
-        return np.clip(a_x, min(asked, 0), max(asked, 0))
+    def loads(self, a_x):
+        """Axle loads over the static ones."""
+        moved = a_x * self.height / GRAVITY
+        return np.maximum([1 - moved / self.l_r, 1 + moved / self.l_f], 0.1)
 
-    def critical_speed(self, loads=(1, 1)):
-        """Of the worst vehicle stated, m/s; inf where none oversteers. Stiffness is times `loads`.
+    def missing(self, forces):
+        """Share of axle forces on tyres without end, at the static loads, that friction does not give.
+
+        1 - tanh(s) / s by the convergent of tanh with s^4 below, which lies above.
+        """
+        static = self.mass * GRAVITY * np.array([self.l_r, self.l_f]) / (self.l_f + self.l_r)
+        square = np.square(forces / (self.uncertainty.friction * static))
+        return square * (35 + square) / (105 + 45 * square + square**2)
+
+    def aside(self, v_x):
+        """Axle forces that hold bank and gust at their bounds, on levers about the other axle."""
+        q = self.uncertainty
+        levers = np.abs([self.l_r + q.gust_ahead, self.l_f - q.gust_ahead])
+        bank = self.mass * q.bank * np.array([self.l_r, self.l_f])
+        return (bank + self.gust(v_x) * levers) / (self.l_f + self.l_r)
+
+    def gust(self, v_x):
+        q = self.uncertainty
+        return q.gust_coefficient * q.gust_speed * np.hypot(v_x, q.gust_speed)
+
+    def asked(self, v_x, torque):
+        """Longitudinal acceleration that the drive torque asks for."""
+        return (torque - self.c_x * v_x**2) / self.longitudinal_inertia
+
+    @property
+    def heaviest(self):
+        """No bound takes more than nine tenths of 1/M' away."""
+        return self.mass / max(1 - self.uncertainty.mass, 0.1)
+
+    def critical_speed(self, factors):
+        """Of the heaviest vehicle with its stiffnesses times `factors`, m/s; inf where it does not oversteer.
 
         There the linear single-track model has a real root at 0: M' v^2 (C_f l_f - C_r l_r) =
-        2 C_f C_r L^2. No bound takes more than nine tenths of stiffness or 1/M' away.
+        2 C_f C_r L^2.
         """
-        q = self.uncertainty
-        c_f, c_r = loads[0] * (1 + q.front) * self.c_f, loads[1] * max(1 - q.rear, 0.1) * self.c_r
-        heaviest = self.mass / max(1 - q.mass, 0.1)
-        oversteer = heaviest * (c_f * self.l_f - c_r * self.l_r)
+        c_f, c_r = factors * np.array([self.c_f, self.c_r])
+        oversteer = self.heaviest * (c_f * self.l_f - c_r * self.l_r)
         if oversteer <= 0:
             return np.inf
         return np.sqrt(2 * c_f * c_r * (self.l_f + self.l_r) ** 2 / oversteer)
 
-    def lateral_model(self, v_x, front, rear, draw):
+    def lateral_model(self, v_x, mass, front, rear, draw):
         """A and B of [v_y, r]' = A [v_y, r] + B [delta, measured r], linear tyres (method 6)."""
         c_f, c_r, l_f, l_r = 2 * front * self.c_f, 2 * rear * self.c_r, self.l_f, self.l_r
-        inertia = np.array([self.mass, self.yaw_inertia])
+        inertia = np.array([mass, self.yaw_inertia])
         by_slip = np.array([[c_f, c_r], [l_f * c_f, -l_r * c_r]]) / inertia[:, None]
         slip = np.array([[-1, -l_f], [-1, l_r]]) / v_x  # front, rear by v_y, r
         A = by_slip @ slip + [[0, -v_x], [0, -draw]]
         return A, np.array([[by_slip[0, 0], 0], [by_slip[1, 0], draw]])
 
     def follow(self, valid, y, torque, delta, jumped):
-        """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
+        """Reference motions, by the trapezoidal rule: nominal; front stiff, rear soft; the reverse.
+
+        The last two are of the heaviest vehicle, with the most axle load transferred, on the least friction.
+        """
         n, t = len(y), self.period
         motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
         q = self.uncertainty
         c_f, c_r = [1 - min(q.front, 0.9), 1 + q.front], [1 - min(q.rear, 0.9), 1 + q.rear]
-        factors = [(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])]
+        corners = np.array([(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])])
+        masses = [self.mass, self.heaviest, self.heaviest]
         followed, x, filtered = 0, None, 0.0
         for k in range(n):
             v_x, r = y[k]
@@ -435,28 +465,37 @@ class Reference:
             smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
             a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
             filtered = smoothed
-            # Cornering stiffness goes with axle load, which the driver moves.
-            moved = self.driven(v_x, torque[k], a_x[k]) * self.height / GRAVITY
-            loads = np.maximum([1 - moved / self.l_r, 1 + moved / self.l_f], 0.1)
-            share = np.clip((v_x / self.critical_speed(loads) - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
-            for i, (front, rear) in enumerate(factors):
-                A, B = self.lateral_model(v_x, front * loads[0], rear * loads[1], DRAW_PER_S * share)
+            # Cornering stiffness goes with axle load, which the driver moves: not what a fault slows down.
+            asked = self.asked(v_x, torque[k])
+            driven = np.clip(a_x[k], min(asked, 0), max(asked, 0))
+            transfers = np.array([1, 1 + q.load_transfer, 1 + q.load_transfer]) * driven
+            factors = corners * [self.loads(a) for a in transfers]
+            for i in [1, 2]:
+                forces = corners[i] * self.axle_forces(np.array([v_x, *x[i]]), delta[k])
+                factors[i] *= 1 - self.missing(np.abs(forces) + self.aside(v_x))
+            near = v_x / self.critical_speed(factors[1])
+            draw = DRAW_PER_S * np.clip((near - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
+            for i, stiffness in enumerate(factors):
+                A, B = self.lateral_model(v_x, masses[i], *stiffness, draw)
                 half = t / 2 * A
                 right = (np.eye(2) + half) @ x[i] + t * B @ [delta[k], r]
                 x[i] = np.linalg.solve(np.eye(2) - half, right)
         return Followed(motions, since, a_x)
 
-    def along(self, x, u):
-        """x' that each cause adds which acts where a vehicle that obeys would be: 5 x 3."""
+    def along(self, x, u, a_x, modelled):
+        """x' that each cause adds which acts where a vehicle that obeys would be: 6 x 3.
+
+        `modelled` are the axle forces at which the known transfer of axle load is taken.
+        """
         q = self.uncertainty
-        forces = self.axle_forces(x, u[1])
-        wheelbase = self.l_f + self.l_r
-        holds = q.friction * self.mass * GRAVITY * np.array([self.l_r, self.l_f]) / wheelbase
-        # 1 - tanh(s) / s by the convergent of tanh with s^4 below, which lies above.
-        square = np.square(forces / holds)
-        missing = square * (35 + square) / (105 + 45 * square + square**2)
-        v_x, v_y, r = x
-        slope = self.slope(x, u) - [v_y * r, -v_x * r, 0]  # what forces and torque do
+        at_rest = self.axle_forces(x, u[1])
+        forces = at_rest * self.loads(a_x)
+        aside = self.aside(x[0])
+        missing = (np.abs(at_rest) + aside) * self.missing(np.abs(at_rest) + aside) * self.loads(a_x)
+        # What forces and torque do.
+        drag = np.array([0, self.c_y * x[1] ** 2 / self.mass, 0])
+        slope = [self.asked(x[0], u[0]), 0, 0] + self.by_forces(forces) - drag
+        unknown = q.load_transfer * abs(a_x) + abs(self.asked(x[0], u[0]) - a_x)
 
         def of(front, rear):
             return self.by_forces([front, rear], q.mass, q.yaw_inertia)
@@ -467,18 +506,19 @@ class Reference:
                 q.yaw_inertia * slope * [0, 0, 1],
                 of(q.front * forces[0], 0),
                 of(0, q.rear * forces[1]),
-                of(*(-missing * forces)),
+                of(*-np.where(at_rest > 0, missing, -missing)),
+                self.load_transfer(at_rest - modelled, a_x)
+                + self.load_transfer(at_rest, -unknown if a_x < 0 else unknown),
             ]
         )
 
-    def common(self, x, delta, behind, transfer):
-        """Likewise of each that acts wherever the vehicle is: 8 x 3.
+    def common(self, x, delta, behind, a_x):
+        """Likewise of each that acts wherever the vehicle is: 7 x 3.
 
         `behind` is the angle of the slowest actuator less that of the actuator.
         """
         q = self.uncertainty
-        wheelbase = self.l_f + self.l_r
-        gust = q.gust_coefficient * q.gust_speed * np.hypot(x[0], q.gust_speed)
+        gust, hold, loads = self.gust(x[0]), self.aside(x[0]), self.loads(a_x)
 
         def of(front, rear):
             return self.by_forces([front, rear], q.mass, q.yaw_inertia)
@@ -486,20 +526,18 @@ class Reference:
         def turned(angle):
             return of(2 * self.c_f * angle, 0)
 
-        # Axle forces that hold bank and gust, on levers about the other axle.
-        levers = np.abs([self.l_r + q.gust_ahead, self.l_f - q.gust_ahead])
-        hold = (self.mass * q.bank * np.array([self.l_r, self.l_f]) + gust * levers) / wheelbase
+        # Tyre and load make the stiffness another.
+        other = [q.front, q.rear] * loads + np.abs(loads - 1)
         push = gust * np.array([0, 1 / self.mass, q.gust_ahead / self.yaw_inertia])
         return np.array(
             [
-                q.load_transfer * transfer,
                 [0, q.bank, 0],
                 push * [0, 1 + q.mass, 1 + q.yaw_inertia],
                 turned(behind),
                 turned(q.steering_ratio * delta),
                 turned(q.steering_offset),
-                of(q.front * hold[0], 0),
-                of(0, q.rear * hold[1]),
+                of(other[0] * hold[0], 0),
+                of(0, other[1] * hold[1]),
             ]
         )
 
@@ -639,22 +677,18 @@ class Reference:
         J = self.jacobian(x)
         # Second-order hold: a slope d over a period leaves T_s d + T_s^2 / 2 J d.
         held = self.M @ (np.eye(3) + self.euler_correction * t / 2 * J)
-        transfer = self.load_transfer(x, u[1], followed.a_x[k])
+        motions = [np.array([y[0], *motion]) for motion in followed.motions[k]]
+        modelled, a_x = self.axle_forces(motions[0], u[1]), followed.a_x[k]
+        transfer = self.load_transfer(modelled, a_x)
         remainder = self.euler_correction * t**2 / 2 * J @ self.slope(x, u)
-        motions = [[y[0], *motion] for motion in followed.motions[k]]
-        along = np.array([self.along(motion, u) for motion in motions])
-        common = self.common(x, u[1], behind, transfer)
-        # A share below 1 was found at constant speed.
-        driven = self.driven(y[0], u[0], followed.a_x[k])
-        changing = np.clip((abs(driven) - CONSTANT) / (CHANGING - CONSTANT), 0, 1)
-        missing = max(1 / self.uncertainty_share - 1, 0) if self.uncertainty_share > 0 else 0
-        weight = 1 + missing * changing
+        along = np.array([self.along(motion, u, a_x, modelled) for motion in motions])
+        common = self.common(x, u[1], behind, a_x)
         # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
         K = t * J @ self.C.T
         error = self.sensed(y[0])
         response.known = N @ response.known + self.M @ remainder + held @ (t * transfer)
-        response.along = response.along @ N.T + t * weight * along @ held.T
-        response.common = response.common @ N.T + t * weight * common @ held.T
+        response.along = response.along @ N.T + t * along @ held.T
+        response.common = response.common @ N.T + t * common @ held.T
         response.sensed = response.sensed @ N.T - error @ (L + self.M @ K).T
         response.fault = N @ response.fault + held @ self.smallest_fault
 
@@ -755,4 +789,4 @@ class Responses:
 
     def __init__(self):
         self.known, self.fault = np.zeros(3), np.zeros(3)
-        self.along, self.common, self.sensed = np.zeros((3, 5, 3)), np.zeros((8, 3)), np.zeros((2, 3))
+        self.along, self.common, self.sensed = np.zeros((3, 6, 3)), np.zeros((7, 3)), np.zeros((2, 3))
