@@ -270,6 +270,7 @@ impl Model for DetectorModel {
             }
             V::DesignSamplePeriod => configuration.model.sampling_period_s,
             V::DesignCertified => return Value::Boolean(self.design.certified),
+            V::DesignBlind => return Value::Boolean(self.design.blind),
             V::DesignBeta => self.design.beta,
             V::DesignGamma => self.design.gamma,
             V::DesignGap => self.design.gap,
@@ -372,6 +373,7 @@ impl Model for DetectorModel {
             | V::DesignHash
             | V::DesignSamplePeriod
             | V::DesignCertified
+            | V::DesignBlind
             | V::DesignBeta
             | V::DesignGamma
             | V::DesignGap
