@@ -286,7 +286,7 @@ impl Uncertainty {
     ) -> [StateVector; ALONG] {
         let Place { u, loading: Loading { a_x_m_per_s2: a_x, asked_m_per_s2, aside_n }, .. } =
             *place;
-        let [v_x, v_y, _] = x.vector();
+        let [_, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
         let at_rest = vehicle.axle_forces(x, u.delta_rad);
