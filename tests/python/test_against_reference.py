@@ -247,7 +247,8 @@ def test_command_that_leads_out_is_no_alarm(detector, reference):
     inputs["u.delta"] = turn * np.clip(np.arange(n) / 500, 0, 1)
     y = np.column_stack([inputs["v_x"], inputs["r"]])
     nobody = np.zeros(n, dtype=bool)
-    obeying = reference.follow(~nobody, y, inputs["u.delta"], nobody).motions[:, 0]
+    torque, angle = inputs["u.T_eng"], inputs["u.delta"]
+    obeying = reference.follow(~nobody, y, torque, angle, nobody).motions[:, 0]
     inputs["r"] = obeying[:, 1]
     high = {"threshold_factor": 1000.0}  # J is not what this is about
     results = compare(detector, reference, inputs, high, **high)
