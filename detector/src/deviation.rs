@@ -299,13 +299,13 @@ impl Uncertainty {
 
 /// `1 - tanh(x) / x`, the share of a linear tyre's force that is missing where it asks for x times what
 /// friction holds; from above, by a continued fraction: by at most 0.7 % of the force for |x| below 3.
-fn deficit(x: f64) -> f64 {
+pub(crate) fn deficit(x: f64) -> f64 {
     let square = x * x;
     let fraction = square / (3.0 + square / (5.0 + square / 7.0));
     fraction / (1.0 + fraction)
 }
 
-fn magnitude(x: f64) -> f64 {
+pub(crate) fn magnitude(x: f64) -> f64 {
     x.max(-x)
 }
 
