@@ -130,10 +130,6 @@ impl Configuration {
             ("jump of the yaw rate", not_negative(self.staleness.r_jump_rad_per_s)),
             ("estimator's threshold", second(|x| positive(x.threshold))),
             ("estimator's noise", second(|x| x.noise.iter().all(|&x| positive(x)))),
-            (
-                "estimator's gust decay",
-                second(|x| not_negative(x.gust_decay) && x.gust_decay < 1.0),
-            ),
         ] {
             if !holds {
                 return Err(ConfigurationError { field });

@@ -768,7 +768,7 @@ impl Detector {
         let second = self.second.as_ref().filter(|_| monitors).map(|second| &second.test);
         let second_exceeds = second.is_some_and(|test| test.speaks(onsets, factor));
         let second_is_clear = second.is_none_or(|test| test.is_clear(onsets, factor));
-        let estimate = second.and_then(|test| test.estimate(onsets, factor));
+        let estimate = second.and_then(|test| test.estimate(onsets, factor, state.sample));
         output.second_ratio = second.map_or(0.0, |test| test.ratio(onsets) / factor);
         // Where nothing can be told the count stands.
         if exceeds || second_exceeds || astray {

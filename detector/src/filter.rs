@@ -44,6 +44,8 @@ const WALK: f64 = 0.017;
 const SLOPE_NOISE: f64 = 0.05;
 /// Noise of the axle forces, relative, per root of Hz.
 const FORCE_NOISE: f64 = 0.02;
+/// Time constant of gusts, s.
+const GUST_S: f64 = 0.5;
 /// Standard deviation of the lateral speed at a start, m/s.
 const INITIAL_V_Y: f64 = 1.0;
 /// Largest relative error of a parameter, whatever the innovations say.
@@ -59,8 +61,6 @@ pub struct Estimator {
     pub threshold: f64,
     /// Standard deviations of the noise of `[v_x, r]`, m/s and rad/s, positive.
     pub noise: [f64; 2],
-    /// What is left of a gust after a sample, in `[0, 1)`.
-    pub gust_decay: f64,
 }
 
 /// What the filter knows before the sample to come.
@@ -186,7 +186,7 @@ impl Kalman {
             load_transfer: u.load_transfer,
             period_s: configuration.model.sampling_period_s,
             noise: estimator.noise,
-            gust_decay: estimator.gust_decay,
+            gust_decay: 1.0 / (1.0 + configuration.model.sampling_period_s / GUST_S),
             deviations: deviations.map(|x| DEVIATION_OF_BOUND * x),
             states: if more { STATES } else { ALWAYS },
             axle_loads_n: vehicle.axle_loads_n(0.0),

@@ -22,6 +22,8 @@ pub const HYPOTHESES: usize = 32;
 
 /// Onsets are looked at this far apart up to an age, s.
 const SPACINGS_S: [[f64; 2]; 3] = [[0.05, 0.5], [0.2, 2.0], [1.0, 10.0]];
+/// Time from the filter's start until onsets are looked at, s: the lateral speed is known then.
+const KNOWN_S: f64 = 0.5;
 /// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
 const SETTLED_S: f64 = 0.3;
 /// A fault is over where less than this share of the largest is left.
@@ -47,8 +49,8 @@ pub struct FaultEstimate {
     pub fault_rad: f64,
     /// It errs by at most this, rad.
     pub bound_rad: f64,
-    /// Samples since its onset.
-    pub age_samples: u64,
+    /// Index of the sample from which on it acts.
+    pub onset: u64,
 }
 
 /// The onsets before the sample to come, and the fault that the filter knows.
@@ -130,6 +132,8 @@ pub(crate) struct OnsetTest {
     threshold: f64,
     /// Samples between onsets, and age up to which they are that far apart.
     spacings: [[u64; 2]; 3],
+    /// The first onset, and the age of one that is taken in.
+    first: u64,
     settled: u64,
 }
 
@@ -142,7 +146,8 @@ impl OnsetTest {
             before = every;
             [every, (until_s / period_s) as u64]
         });
-        Self { threshold, spacings, settled: (SETTLED_S / period_s) as u64 }
+        let samples = |time_s: f64| (time_s / period_s) as u64;
+        Self { threshold, spacings, first: samples(KNOWN_S), settled: samples(SETTLED_S) }
     }
 
     /// The largest statistic over the threshold.
@@ -159,7 +164,7 @@ impl OnsetTest {
     /// longer than onsets are looked at bank and parameters might explain.
     pub(crate) fn speaks(&self, onsets: &Onsets, factor: f64) -> bool {
         let [.., [_, horizon]] = self.spacings;
-        let knows = onsets.holds() && onsets.samples - onsets.held_since <= horizon;
+        let knows = onsets.holds() && onsets.samples.saturating_sub(onsets.held_since) <= horizon;
         knows || self.exceeds(onsets, factor)
     }
 
@@ -168,8 +173,13 @@ impl OnsetTest {
         !self.speaks(onsets, factor * RELEASE)
     }
 
-    /// What is known of the fault where the test has found one.
-    pub(crate) fn estimate(&self, onsets: &Onsets, factor: f64) -> Option<FaultEstimate> {
+    /// What is known at a sample of the fault where the test has found one.
+    pub(crate) fn estimate(
+        &self,
+        onsets: &Onsets,
+        factor: f64,
+        sample: u64,
+    ) -> Option<FaultEstimate> {
         let threshold = factor * self.threshold;
         let found = onsets.likeliest().filter(|_| self.exceeds(onsets, factor));
         let (fault_rad, variance, onset) = match found {
@@ -184,7 +194,7 @@ impl OnsetTest {
         Some(FaultEstimate {
             fault_rad,
             bound_rad: threshold * libm::sqrt(variance),
-            age_samples: onsets.samples - onset,
+            onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
         })
     }
 
@@ -212,7 +222,7 @@ impl OnsetTest {
         onsets.statistic = libm::sqrt(square);
         let onset = likeliest.onset.unwrap_or_default();
         self.exceeds(onsets, factor)
-            && onsets.samples - onset >= self.settled
+            && onsets.samples.saturating_sub(onset) >= self.settled
             && self.take_in(onsets, filter, &likeliest, factor)
     }
 
@@ -254,7 +264,7 @@ impl OnsetTest {
         let samples = onsets.samples;
         for hypothesis in &mut onsets.hypotheses {
             if let Some(onset) = hypothesis.onset {
-                if self.keeps(samples - onset, onset) {
+                if self.keeps(samples.saturating_sub(onset), onset) {
                     transition.advance(&mut hypothesis.error);
                 } else {
                     hypothesis.onset = None;
@@ -262,7 +272,8 @@ impl OnsetTest {
             }
         }
         let [[every, _], ..] = self.spacings;
-        if samples % every == 0
+        if samples >= self.first
+            && is_multiple(samples, every)
             && let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none())
         {
             *free = Hypothesis { onset: Some(samples), ..Hypothesis::default() };
@@ -271,6 +282,11 @@ impl OnsetTest {
 
     /// Whether an onset is looked at at this age.
     fn keeps(&self, age: u64, onset: u64) -> bool {
-        self.spacings.iter().any(|[every, until]| age <= *until && onset % every == 0)
+        self.spacings.iter().any(|[every, until]| age <= *until && is_multiple(onset, *every))
     }
+}
+
+/// Whether `x` is a multiple of `of`; of nothing none is.
+fn is_multiple(x: u64, of: u64) -> bool {
+    x.checked_rem(of) == Some(0)
 }

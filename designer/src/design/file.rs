@@ -33,7 +33,7 @@ use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
 
 /// Value of the key `format`.
-pub const FORMAT: &str = "steerguard-design/3";
+pub const FORMAT: &str = "steerguard-design/4";
 /// What the formats of all versions begin with.
 const ANY_FORMAT: &str = "steerguard-design/";
 
@@ -131,6 +131,8 @@ pub struct ThresholdRecord {
     /// The largest ratio of J to that level and the uncertainties' bound, start-up term aside, in the
     /// same drives of uncertain vehicles. Of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// The largest statistic of the second test in these drives; none where it does not run.
+    pub second: Option<Level>,
     /// Of kind "guaranteed", the bound and its causes.
     pub guaranteed: Option<Guaranteed>,
 }

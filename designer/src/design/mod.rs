@@ -29,6 +29,7 @@ use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::synthesis::theorem4::Theorem4;
+use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::PeakCertificate;
 use crate::threshold::{self, Threshold, ThresholdError};
 
@@ -423,20 +424,24 @@ fn evaluate(
         actuator: spec.actuator.actuator(),
         zero: spec.sensors.zero(),
         staleness: model::staleness(spec),
+        estimator: None,
     };
     let found = threshold::threshold(spec, theorem, gains, &configuration, progress)?;
     let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-    let detector = Configuration { evaluation, ..configuration };
+    let of_second = |x: &Level| model::estimator(spec, e.margin * x.level);
+    let estimator = found.second.as_ref().and_then(of_second);
+    let detector = Configuration { evaluation, estimator, ..configuration };
     progress(Step::Sight);
     let sight = sight(spec, &detector, &found)?;
-    let Threshold { calibration, uncertain, guaranteed, peaks, .. } = found;
+    let Threshold { calibration, uncertain, second, guaranteed, peaks, .. } = found;
     let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
         start_up: StartUpRecord { p: bound.p.each_ref().map(rows), margin: bound.margin },
         calibration,
         uncertain,
+        second,
         guaranteed,
     };
     Ok(Evaluated { detector, threshold: causes, peaks, sight })

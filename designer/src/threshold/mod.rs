@@ -16,12 +16,16 @@ use steerguard_detector::{
 };
 use steerguard_world::steady_angle;
 
+use crate::problem::model;
 use crate::progress::Step;
 use crate::spec::{Spec, ThresholdKind};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
-use crate::threshold::calibration::{Level, Population, calibrate, drives};
+use crate::threshold::calibration::{Level, Levels, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
+
+/// A threshold of the second test that no drive reaches: what is found would change what follows.
+const UNREACHED: f64 = 1e6;
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
 pub fn cause_names() -> [&'static str; CAUSES] {
@@ -79,6 +83,8 @@ pub struct Threshold {
     pub calibration: Option<Level>,
     /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// Largest statistic of the second test in the same drives, where it runs.
+    pub second: Option<Level>,
     /// The bound and its causes, of kind "guaranteed".
     pub guaranteed: Option<Guaranteed>,
     /// What proves it.
@@ -92,6 +98,7 @@ impl Threshold {
             uncertainty_share: 0.0,
             calibration: None,
             uncertain: None,
+            second: None,
             guaranteed: None,
             peaks: None,
         }
@@ -115,26 +122,30 @@ pub fn threshold(
         // A specification without the number is refused when it is read.
         ThresholdKind::Constant => Ok(Threshold::constant(e.constant.unwrap_or_default())),
         ThresholdKind::Calibrated => {
-            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let level = largest(spec, configuration, Population::Specified, progress)?.j;
             Ok(Threshold {
                 calibration: Some(level.clone()),
                 ..Threshold::constant(e.margin * level.level)
             })
         }
         ThresholdKind::Adaptive => {
-            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let level = largest(spec, configuration, Population::Specified, progress)?.j;
             let evaluation = Evaluation {
                 threshold: level.level,
                 uncertainty_share: 1.0,
                 ..configuration.evaluation
             };
-            let bounded = Configuration { evaluation, ..*configuration };
-            let ratio = largest(spec, &bounded, Population::Uncertain, progress)?;
+            let estimator = model::estimator(spec, UNREACHED);
+            let bounded = Configuration { evaluation, estimator, ..*configuration };
+            let Levels { j: ratio, second } =
+                largest(spec, &bounded, Population::Uncertain, progress)?;
+            let second = second.map(|x| Level { level: UNREACHED * x.level, ..x });
             let factor = e.margin * ratio.level;
             Ok(Threshold {
                 uncertainty_share: factor,
                 calibration: Some(level.clone()),
                 uncertain: Some(ratio),
+                second,
                 ..Threshold::constant(factor * level.level)
             })
         }
@@ -145,7 +156,7 @@ pub fn threshold(
                 bounds.map_err(|input| ThresholdError::Guarantee { input })?.into_iter().unzip();
             let undisturbed = without_inputs(spec);
             let discretisation =
-                largest(&undisturbed, configuration, Population::Specified, progress)?;
+                largest(&undisturbed, configuration, Population::Specified, progress)?.j;
             let guaranteed = Guaranteed::new(inputs, discretisation);
             Ok(Threshold {
                 peaks: Some(peaks),
@@ -162,7 +173,7 @@ fn largest(
     configuration: &Configuration,
     population: Population,
     progress: &mut dyn FnMut(Step),
-) -> Result<Level, ThresholdError> {
+) -> Result<Levels, ThresholdError> {
     let drives = drives(spec);
     let of = drives.len();
     progress(Step::Calibration { done: 0, of });

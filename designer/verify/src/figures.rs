@@ -76,10 +76,18 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     near("detector.evaluation.threshold", threshold, recomputed)?;
     near("detector.evaluation.uncertainty_share", uncertainty_share, share)?;
 
+    let second = causes.second.as_ref();
+    let estimator = design.detector.estimator.as_ref();
+    same("threshold.second, whether there is one", &second.is_some(), &estimator.is_some())?;
+    if let Some((level, estimator)) = second.zip(estimator) {
+        near("detector.estimator.threshold", estimator.threshold, margin * level.level)?;
+    }
+
     let discretisation = guaranteed.map(|x| &x.discretisation);
     for (key, level) in [
         ("calibration", levels[0]),
         ("uncertain", levels[1]),
+        ("second", second),
         ("guaranteed.discretisation", discretisation),
     ] {
         if let Some(Level { drives, exceeded_at_most, .. }) = level {

@@ -65,6 +65,12 @@ pub struct Spec {
     pub uncertainty: UncertaintyOfSpec,
     pub design: Method,
     pub evaluation: EvaluationOfSpec,
+    pub estimator: EstimatorOfSpec,
+}
+
+#[derive(Deserialize)]
+pub struct EstimatorOfSpec {
+    pub enabled: bool,
 }
 
 #[derive(Deserialize)]
@@ -232,6 +238,15 @@ pub struct Detector {
     pub actuator: Actuator,
     pub zero: Zero,
     pub staleness: Staleness,
+    pub estimator: Option<Estimator>,
+}
+
+/// The second test.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Estimator {
+    pub threshold: f64,
+    pub noise: [f64; 2],
 }
 
 #[derive(Deserialize)]
@@ -342,6 +357,7 @@ pub struct Threshold {
     pub start_up: StartUp,
     pub calibration: Option<Level>,
     pub uncertain: Option<Level>,
+    pub second: Option<Level>,
     pub guaranteed: Option<Guaranteed>,
 }
 

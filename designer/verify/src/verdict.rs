@@ -137,6 +137,7 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
     for (key, level) in [
         ("calibration", threshold.calibration.as_ref()),
         ("uncertain", threshold.uncertain.as_ref()),
+        ("second", threshold.second.as_ref()),
         ("guaranteed.discretisation", threshold.guaranteed.as_ref().map(|x| &x.discretisation)),
     ] {
         if let Some(Level { level, drives, .. }) = level {
