@@ -50,8 +50,11 @@ const GUST_S: f64 = 0.5;
 const INITIAL_V_Y: f64 = 1.0;
 /// Largest relative error of a parameter, whatever the innovations say.
 const LARGEST_ERROR: f64 = 0.5;
-/// A filter whose innovation is this many standard deviations is lost.
-const LOST: f64 = 1000.0;
+/// A filter whose innovation is this many standard deviations is lost: a wheel that turns by 20 degrees at
+/// once makes 80 of them.
+const LOST: f64 = 200.0;
+/// A filter with this state or more is lost: lateral speed in m/s, and yaw rate in rad/s.
+const LOST_STATE: [f64; 2] = [50.0, 20.0];
 
 /// What the second test is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -253,13 +256,15 @@ impl Kalman {
         let r = y.r_rad_per_s - x[2] - x[YAW_RATE_BIAS];
         correction.innovation = correction.whitened([v_x, r]);
         let [v_x, r] = correction.innovation;
-        if !(v_x * v_x + r * r < LOST * LOST) {
+        let [largest_v_y, largest_r] = LOST_STATE;
+        let sound = v_x * v_x + r * r < LOST * LOST
+            && magnitude(x[1]) < largest_v_y
+            && magnitude(x[2]) < largest_r
+            && p.iter().enumerate().all(|(k, row)| row.get(k).is_some_and(|p| *p >= 0.0));
+        if !sound {
             return None;
         }
         correction.correct(x, correction.innovation);
-        for error in x.iter_mut().skip(MASS).take(ALWAYS - MASS + 1) {
-            *error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
-        }
         let [of_v_x, of_r] = &correction.gains;
         let rows = p.iter_mut().zip(of_v_x.iter().zip(of_r)).take(self.states);
         for (row, (i_v_x, i_r)) in rows {
@@ -278,6 +283,9 @@ impl Kalman {
         let v = &self.vehicle;
         let Filter { x, p } = filter;
         self.cap(p);
+        for error in x.iter_mut().skip(MASS).take(RATIO - MASS + 1) {
+            *error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
+        }
 
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
         let (c_x, c_y) = (v.longitudinal_drag_n_m_s2_per_m2, v.lateral_drag_n_s2_per_m2);

@@ -26,6 +26,8 @@ const SPACINGS_S: [[f64; 2]; 3] = [[0.05, 0.5], [0.2, 2.0], [1.0, 10.0]];
 const KNOWN_S: f64 = 0.5;
 /// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
 const SETTLED_S: f64 = 0.3;
+/// A statistic of this many thresholds is taken in at once: what a large fault does is not linear for long.
+const CLEAR: f64 = 3.0;
 /// A fault is over where less than this share of the largest is left.
 const GONE: f64 = 0.15;
 
@@ -222,7 +224,8 @@ impl OnsetTest {
         onsets.statistic = libm::sqrt(square);
         let onset = likeliest.onset.unwrap_or_default();
         self.exceeds(onsets, factor)
-            && onsets.samples.saturating_sub(onset) >= self.settled
+            && (onsets.samples.saturating_sub(onset) >= self.settled
+                || self.exceeds(onsets, CLEAR * factor))
             && self.take_in(onsets, filter, &likeliest, factor)
     }
 

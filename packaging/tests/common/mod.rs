@@ -41,6 +41,7 @@ pub fn design() -> BakedDesign {
             actuator: Actuator::NONE,
             zero: Zero::default(),
             staleness: Staleness::NEVER,
+            estimator: None,
         },
     }
 }

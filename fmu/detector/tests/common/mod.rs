@@ -77,6 +77,7 @@ pub fn design() -> BakedDesign {
             },
             zero: Zero::default(),
             staleness: Staleness { after_s: 0.0, v_x_jump_m_per_s: 0.3, r_jump_rad_per_s: 0.2 },
+            estimator: None,
         },
     }
 }
