@@ -303,8 +303,8 @@ impl Kalman {
         let rear = c_r * (l_r * r - v_y) / v_x;
         let drag = c_y * v_y * v_y;
         let moment = l_f * front - l_r * rear;
-        let longitudinal =
-            (u.t_eng_n_m - c_x * v_x * v_x) / (v.effective_longitudinal_inertia_kg_m * errors[0]);
+        let quickness = 1.0 / (v.effective_longitudinal_inertia_kg_m * errors[0]);
+        let longitudinal = (u.t_eng_n_m - c_x * v_x * v_x) * quickness;
         let turned_by_gust = self.gust.acting_ahead_m * v.mass_kg / v.yaw_inertia_kg_m2;
         let slope = [
             longitudinal + v_y * r,
@@ -318,8 +318,7 @@ impl Kalman {
             (c_f * (v_y + l_f * r) / (v_x * v_x), c_r * (v_y - l_r * r) / (v_x * v_x));
         let moment_by_v_y = (l_r * c_r - l_f * c_f) / v_x;
         let mut a = [[0.0; STATES]; 3];
-        [a[0][0], a[0][1], a[0][2]] =
-            [-2.0 * c_x * v_x / v.effective_longitudinal_inertia_kg_m, r, v_y];
+        [a[0][0], a[0][1], a[0][2]] = [-2.0 * c_x * v_x * quickness, r, v_y];
         a[0][MASS] = -longitudinal / errors[0];
         a[1][0] = (front_by_v_x + rear_by_v_x) * lightness - r;
         a[1][1] = (-(c_f + c_r) / v_x - 2.0 * c_y * v_y) * lightness;
