@@ -1,4 +1,4 @@
-//! An augmented Kalman filter: the vehicle with road, wind and what is uncertain of all three (method 8).
+//! An augmented Kalman filter: the vehicle with road, wind and what is uncertain of all three (method 9).
 //!
 //! # Conventions
 //! - State `[v_x, v_y, r, b, w, m, i, f, a, rho, o, beta, sigma]`: b the lateral gravity of the bank and w

@@ -1,5 +1,5 @@
 //! How much likelier the innovations are with a fault from some sample on: generalised likelihood ratio
-//! over onsets (method 8).
+//! over onsets (method 9).
 //!
 //! # Conventions
 //! - A hypothesis: since its onset the road wheel has been off by a constant angle f. That shifts the

@@ -1,4 +1,4 @@
-"""The second test once more, in numpy: augmented Kalman filter and likelihood ratio over onsets (method 8).
+"""The second test once more, in numpy: augmented Kalman filter and likelihood ratio over onsets (method 9).
 
 An independent statement, which the packaged FMU is compared with. The Jacobian is that of the slope by complex
 steps, gains and covariances are the textbook's.
