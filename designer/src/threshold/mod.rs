@@ -23,9 +23,7 @@ use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::calibration::{Level, Levels, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
-
-/// A threshold of the second test that no drive reaches: what is found would change what follows.
-const UNREACHED: f64 = 1e6;
+use crate::worst::UNREACHED;
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
 pub fn cause_names() -> [&'static str; CAUSES] {
@@ -180,7 +178,7 @@ fn largest(
     let mut count = |done| progress(Step::Calibration { done, of });
     // Within the start-up J may stay below the term that covers it.
     calibrate(spec, configuration, &drives, population, &mut count)?
-        .filter(|level| level.level > 0.0)
+        .filter(|levels| levels.j.level > 0.0)
         .ok_or(ThresholdError::Calibration)
 }
 
