@@ -129,6 +129,7 @@ impl Configuration {
             ("jump of the speed", not_negative(self.staleness.v_x_jump_m_per_s)),
             ("jump of the yaw rate", not_negative(self.staleness.r_jump_rad_per_s)),
             ("estimator's threshold", second(|x| positive(x.threshold))),
+            ("estimator's factor", second(|x| positive(x.estimate_factor))),
             ("estimator's noise", second(|x| x.noise.iter().all(|&x| positive(x)))),
         ] {
             if !holds {

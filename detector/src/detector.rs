@@ -258,7 +258,7 @@ impl Detector {
         } = *configuration;
         let second = estimator.map(|estimator| SecondTest {
             kalman: Kalman::new(configuration, &estimator),
-            test: OnsetTest::new(estimator.threshold, model.sampling_period_s),
+            test: OnsetTest::new(configuration, &estimator),
         });
         let observer = Observer::new(model, gains);
         let references = deviations.uncertainty.references(&model.vehicle, model.sampling_period_s);

@@ -6,9 +6,9 @@
 //!   and rear stiffness; rho that of the steering ratio, o the steering offset, rad, beta the bias of the
 //!   yaw-rate sensor, rad/s, sigma the relative error of the measured speed. The last four are zero unless
 //!   one of them is stated.
-//! - A bound that is stated is a standard deviation times 1 / [`DEVIATION_OF_BOUND`].
+//! - A bound that is stated counts as a standard deviation.
 //! - The mean and the fault move by `T_s (I + T_s A / 2 + (T_s A)^2 / 6)` times the slope, and `Phi = I +`
-//!   the same times A: 3 rows, since the other states stay as they are or fade.
+//!   the same times A: 3 rows, since the other states stay as they are.
 //! - Covariances are symmetric to the last bit: each entry is the same products in the same order as its
 //!   mirror image.
 
@@ -34,17 +34,15 @@ const OFFSET: usize = 10;
 const YAW_RATE_BIAS: usize = 11;
 const SPEED_SCALE: usize = 12;
 
-/// Standard deviation of what is stated by its bound, over the bound.
-pub const DEVIATION_OF_BOUND: f64 = 0.6;
 /// The bank's random walk, over its bound, per root of s.
-const BANK_WALK: f64 = 0.4;
-/// Random walk of what else is stated by its bound, over the standard deviation, per root of s.
+const BANK_WALK: f64 = 1.0;
+/// Random walk of what else is stated by its bound, over the bound, per root of s.
 const WALK: f64 = 0.017;
 /// Noise of `dx/dt`, m/s^2 and rad/s^2 per root of Hz.
-const SLOPE_NOISE: f64 = 0.05;
+const SLOPE_NOISE: f64 = 0.03;
 /// Noise of the axle forces, relative, per root of Hz.
-const FORCE_NOISE: f64 = 0.02;
-/// Time constant of gusts, s.
+const FORCE_NOISE: f64 = 0.03;
+/// The wind's random walk, over that of the fastest gust: the variance of twice that in this time, s.
 const GUST_S: f64 = 0.5;
 /// Standard deviation of the lateral speed at a start, m/s.
 const INITIAL_V_Y: f64 = 1.0;
@@ -62,6 +60,8 @@ const LOST_STATE: [f64; 2] = [50.0, 20.0];
 pub struct Estimator {
     /// The statistic that raises the alarm, positive.
     pub threshold: f64,
+    /// The statistic that the error of an estimate stays below, positive.
+    pub estimate_factor: f64,
     /// Standard deviations of the noise of `[v_x, r]`, m/s and rad/s, positive.
     pub noise: [f64; 2],
 }
@@ -132,7 +132,6 @@ pub(crate) struct Transition {
     phi: [[f64; STATES]; 3],
     /// What 1 rad at the road wheel adds to `[v_x, v_y, r]`.
     of_fault: StateVector,
-    gust_decay: f64,
 }
 
 impl Transition {
@@ -145,7 +144,6 @@ impl Transition {
             }
         }
         [error[0], error[1], error[2]] = next;
-        error[GUST] *= self.gust_decay;
     }
 }
 
@@ -158,7 +156,6 @@ pub(crate) struct Kalman {
     load_transfer: f64,
     period_s: f64,
     noise: [f64; 2],
-    gust_decay: f64,
     /// Largest standard deviations, that of the gust 0: it is known at a start by the speed.
     deviations: [f64; STATES],
     /// States that are there.
@@ -189,8 +186,7 @@ impl Kalman {
             load_transfer: u.load_transfer,
             period_s: configuration.model.sampling_period_s,
             noise: estimator.noise,
-            gust_decay: 1.0 / (1.0 + configuration.model.sampling_period_s / GUST_S),
-            deviations: deviations.map(|x| DEVIATION_OF_BOUND * x),
+            deviations,
             states: if more { STATES } else { ALWAYS },
             axle_loads_n: vehicle.axle_loads_n(0.0),
         }
@@ -227,8 +223,7 @@ impl Kalman {
 
     /// Standard deviation of a gust's specific side force at a speed in m/s, m/s^2.
     fn gust_deviation(&self, v_x: f64) -> f64 {
-        let speed_m_per_s = DEVIATION_OF_BOUND * self.gust.speed_m_per_s;
-        Gust { speed_m_per_s, ..self.gust }.side_force(v_x) / self.vehicle.mass_kg
+        self.gust.side_force(v_x) / self.vehicle.mass_kg
     }
 
     /// Takes in a measurement; none where the filter is lost, which then holds nothing of use.
@@ -277,34 +272,36 @@ impl Kalman {
 
     /// Goes on to the next sample, with the road wheel off by `fault_rad`.
     pub(crate) fn predict(&self, filter: &mut Filter, place: &Place, fault_rad: f64) -> Transition {
-        let Place { u, slowest_behind_rad, a_x_m_per_s2, .. } = *place;
+        let Place { u, slowest_behind_rad, .. } = *place;
         let n = self.states;
         let t = self.period_s;
         let v = &self.vehicle;
         let Filter { x, p } = filter;
-        self.cap(p);
+        // Slip, in which a speed that noise has made too small would count for too much.
+        let [v_x, v_y, r] = [x[0].max(0.1), x[1], x[2]];
+        let gust = self.gust_deviation(v_x);
+        self.cap(p, gust);
         for error in x.iter_mut().skip(MASS).take(RATIO - MASS + 1) {
             *error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
         }
 
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
         let (c_x, c_y) = (v.longitudinal_drag_n_m_s2_per_m2, v.lateral_drag_n_s2_per_m2);
-        let share = a_x_m_per_s2 * v.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
-        let [front_load, rear_load] = [1.0 - share / l_r, 1.0 + share / l_f];
         let errors = [1.0 + x[MASS], 1.0 + x[YAW_INERTIA], 1.0 + x[FRONT], 1.0 + x[REAR]];
         let lightness = 1.0 / (v.mass_kg * errors[0]);
         let nimbleness = 1.0 / (v.yaw_inertia_kg_m2 * errors[1]);
+        let quickness = 1.0 / (v.effective_longitudinal_inertia_kg_m * errors[0]);
+        let longitudinal = (u.t_eng_n_m - c_x * v_x * v_x) * quickness;
+        // Of the torque: what the measured speed says of it comes late.
+        let share = longitudinal * v.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
+        let [front_load, rear_load] = [1.0 - share / l_r, 1.0 + share / l_f];
         let c_f = 2.0 * v.front_cornering_stiffness_n_per_rad * front_load * errors[2];
         let c_r = 2.0 * v.rear_cornering_stiffness_n_per_rad * rear_load * errors[3];
-        // Slip, in which a speed that noise has made too small would count for too much.
-        let [v_x, v_y, r] = [x[0].max(0.1), x[1], x[2]];
         let delta_rad = (1.0 + x[RATIO]) * u.delta_rad + x[OFFSET] + fault_rad;
         let front = c_f * (delta_rad - (v_y + l_f * r) / v_x);
         let rear = c_r * (l_r * r - v_y) / v_x;
         let drag = c_y * v_y * v_y;
         let moment = l_f * front - l_r * rear;
-        let quickness = 1.0 / (v.effective_longitudinal_inertia_kg_m * errors[0]);
-        let longitudinal = (u.t_eng_n_m - c_x * v_x * v_x) * quickness;
         let turned_by_gust = self.gust.acting_ahead_m * v.mass_kg / v.yaw_inertia_kg_m2;
         let slope = [
             longitudinal + v_y * r,
@@ -354,7 +351,6 @@ impl Kalman {
         for (x, moved) in x.iter_mut().zip(moved) {
             *x += moved;
         }
-        x[GUST] *= self.gust_decay;
 
         // Phi P, then its product with Phi'.
         let mut rows = [[0.0; STATES]; 3];
@@ -377,12 +373,6 @@ impl Kalman {
             *row = *of;
             [row[0], row[1], row[2]] = block;
         }
-        for row in p.iter_mut().take(n) {
-            row[GUST] *= self.gust_decay;
-        }
-        for p in p[GUST].iter_mut().take(n) {
-            *p *= self.gust_decay;
-        }
 
         // What is not modelled.
         let uncertain = |force: f64, axle_load: f64, load: f64| {
@@ -390,41 +380,41 @@ impl Kalman {
                 self.friction.map_or(0.0, |mu| force * deficit(force / (mu * axle_load)));
             let transferred = self.load_transfer * (load - 1.0) * force;
             let noise = FORCE_NOISE * force;
-            let lasting = DEVIATION_OF_BOUND * (magnitude(saturated) + magnitude(transferred));
+            let lasting = magnitude(saturated) + magnitude(transferred);
             noise * noise + lasting * lasting
         };
-        let behind = DEVIATION_OF_BOUND * c_f * slowest_behind_rad;
+        let behind = c_f * slowest_behind_rad;
         let front = uncertain(front, self.axle_loads_n[0], front_load) + behind * behind;
         let rear = uncertain(rear, self.axle_loads_n[1], rear_load);
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
         let across = (l_f * front - l_r * rear) * lightness * nimbleness;
-        let gust = self.gust_deviation(v_x);
-        let bank = BANK_WALK / DEVIATION_OF_BOUND * self.deviations[BANK];
+        let bank = BANK_WALK * self.deviations[BANK];
         p[0][0] += t * slopes;
         p[1][1] += t * (slopes + (front + rear) * lightness * lightness);
         p[2][2] += t * (slopes + (l_f * l_f * front + l_r * l_r * rear) * nimbleness * nimbleness);
         p[1][2] += t * across;
         p[2][1] += t * across;
         p[BANK][BANK] += t * bank * bank;
-        p[GUST][GUST] += gust * gust * (1.0 - self.gust_decay * self.gust_decay);
+        p[GUST][GUST] += t * gust * gust * 2.0 / GUST_S;
         for (k, (row, deviation)) in p.iter_mut().zip(&self.deviations).enumerate().skip(MASS) {
             if let Some(p) = row.get_mut(k) {
                 *p += t * WALK * WALK * deviation * deviation;
             }
         }
-        Transition { phi, of_fault: product(&held, &of_steering), gust_decay: self.gust_decay }
+        Transition { phi, of_fault: product(&held, &of_steering) }
     }
 
-    /// Scales covariances so that no more is unknown of bank and parameters than was at first.
-    fn cap(&self, p: &mut [[f64; STATES]; STATES]) {
+    /// Scales covariances so that no more is unknown of bank, parameters and a `gust` than was at first.
+    fn cap(&self, p: &mut [[f64; STATES]; STATES], gust: f64) {
         let mut factors = [1.0; STATES];
         let mut caps = false;
         let diagonal = p.iter().enumerate().map(|(k, row)| row.get(k).copied().unwrap_or(0.0));
         for ((k, (factor, variance)), deviation) in
             factors.iter_mut().zip(diagonal).enumerate().zip(&self.deviations)
         {
+            let deviation = if k == GUST { gust } else { *deviation };
             let largest = deviation * deviation;
-            if k >= BANK && k != GUST && variance > largest {
+            if k >= BANK && variance > largest {
                 *factor = libm::sqrt(largest / variance);
                 caps = true;
             }

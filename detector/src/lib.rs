@@ -44,7 +44,7 @@ pub use detector::{
 };
 pub use deviation::{CAUSES, Cause, Deviations, Gust, Place, Responses, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
-pub use filter::{DEVIATION_OF_BOUND, Estimator, Filter, STATES};
+pub use filter::{Estimator, Filter, STATES};
 pub use observer::{Gains, Observer};
 pub use onset::{FaultEstimate, HYPOTHESES, Hypothesis, Onsets};
 pub use range::{Interval, OperatingRange};

@@ -6,22 +6,27 @@
 //!   filter's innovations by `f s`, `s = H eps`, with `eps+ = Phi (I - K H) eps + B_f`.
 //!   Willsky and Jones, IEEE Trans. Automatic Control 21 (1976).
 //! - With innovations nu of covariance S, `a = sum s' S^-1 nu` and `c = sum s' S^-1 s`: the fault that
-//!   explains most is `a / c`, of standard deviation `c^-1/2`; the statistic is `|a| c^-1/2`.
-//! - Where no fault acts the statistic stays below the threshold, and so an estimate errs by less than the
-//!   threshold times its standard deviation: what disturbs it is the same with a fault and without.
+//!   explains most is `a / c`, of standard deviation `c^-1/2`; the statistic is `|a / c|` over `c^-1/2 + o`,
+//!   o a share of what bank and gust at their bounds look like, which no time makes less.
+//! - An estimate errs by less than a factor times `c^-1/2 + o` where that statistic stays below the factor
+//!   without a fault: what disturbs it is the same with a fault and without.
 //! - A fault that is found is taken into the filter once it is [`SETTLED_S`] old: the filter goes on as if it
 //!   had always known, and further steps are found on top.
 
 use crate::algebra::all_finite;
 use crate::deviation::magnitude;
 use crate::filter::{Correction, STATES, Transition};
-use crate::{Filter, RELEASE};
+use crate::{Configuration, Estimator, Filter, Gust, RELEASE};
 
 /// Onsets that are looked at, at most.
-pub const HYPOTHESES: usize = 32;
+pub const HYPOTHESES: usize = 20;
 
-/// Onsets are looked at this far apart up to an age, s.
-const SPACINGS_S: [[f64; 2]; 3] = [[0.05, 0.5], [0.2, 2.0], [1.0, 10.0]];
+/// Onsets are looked at this far apart up to an age, s: what lasts longer road and vehicle may explain.
+const SPACINGS_S: [[f64; 2]; 2] = [[0.05, 0.5], [0.1, 1.0]];
+/// Time that a fault that was taken in speaks for an alarm, s.
+const KNOWN_FOR_S: f64 = 10.0;
+/// Share of what bank and gust at their bounds look like that the statistic allows for.
+const LOOKS: f64 = 0.2;
 /// Time from the filter's start until onsets are looked at, s: the lateral speed is known then.
 const KNOWN_S: f64 = 0.5;
 /// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
@@ -74,6 +79,8 @@ pub struct Onsets {
     pub held_since: u64,
     /// Largest statistic at the last sample.
     pub statistic: f64,
+    /// What the statistic allowed for at the last sample beside the standard deviation, rad.
+    pub looks_rad: f64,
 }
 
 impl Onsets {
@@ -92,6 +99,7 @@ impl Onsets {
         held_onset: 0,
         held_since: 0,
         statistic: 0.0,
+        looks_rad: 0.0,
     };
 
     /// Whether a test can have led here.
@@ -102,7 +110,8 @@ impl Onsets {
                 && all_finite(&x.error)
                 && all_finite(&[x.correlation, x.information])
                 && x.information >= 0.0
-        }) && all_finite(&[self.held_rad, self.held_variance, self.largest_rad, self.statistic])
+        }) && all_finite(&[self.held_rad, self.held_variance, self.largest_rad])
+            && all_finite(&[self.statistic, self.looks_rad])
             && self.held_variance >= 0.0
             && past(self.held_onset)
             && past(self.held_since)
@@ -113,14 +122,15 @@ impl Onsets {
         self.largest_rad > 0.0
     }
 
-    /// The hypothesis with the largest statistic, if one says anything yet, and the square of that.
+    /// The hypothesis with the largest statistic, if one says anything yet, and that.
     fn likeliest(&self) -> Option<(&Hypothesis, f64)> {
         let mut likeliest = None;
         let mut largest = 0.0;
         for hypothesis in &self.hypotheses {
             let Hypothesis { onset, correlation: a, information: c, .. } = *hypothesis;
-            if onset.is_some() && c > 0.0 && a * a > largest * c {
-                largest = a * a / c;
+            let per_statistic = libm::sqrt(c) + self.looks_rad * c;
+            if onset.is_some() && magnitude(a) > largest * per_statistic {
+                largest = magnitude(a) / per_statistic;
                 likeliest = Some((hypothesis, largest));
             }
         }
@@ -132,15 +142,35 @@ impl Onsets {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OnsetTest {
     threshold: f64,
+    estimate_factor: f64,
     /// Samples between onsets, and age up to which they are that far apart.
-    spacings: [[u64; 2]; 3],
-    /// The first onset, and the age of one that is taken in.
+    spacings: [[u64; 2]; 2],
+    /// The first onset, the age of one that is taken in, and how long that speaks.
     first: u64,
     settled: u64,
+    known_for: u64,
+    /// What the bank at its bound looks like, rad, and a side force, rad/N.
+    bank_rad: f64,
+    by_force_rad_per_n: f64,
+    gust: Gust,
 }
 
 impl OnsetTest {
-    pub(crate) fn new(threshold: f64, period_s: f64) -> Self {
+    pub(crate) fn new(configuration: &Configuration, estimator: &Estimator) -> Self {
+        let Estimator { threshold, estimate_factor, .. } = *estimator;
+        let period_s = configuration.model.sampling_period_s;
+        let uncertainty = &configuration.deviations.uncertainty;
+        let gust = uncertainty.gust;
+        let v = configuration.model.vehicle;
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let axle = |per_tyre: f64| 2.0 * per_tyre * (l_f + l_r);
+        // Straight and steady: axle forces that hold a side force acting so far ahead.
+        let looks_rad_per_n = |ahead_m: f64| {
+            magnitude(
+                (l_r + ahead_m) / axle(v.front_cornering_stiffness_n_per_rad)
+                    - (l_f - ahead_m) / axle(v.rear_cornering_stiffness_n_per_rad),
+            )
+        };
         let mut before = 1;
         let spacings = SPACINGS_S.map(|[every_s, until_s]| {
             // A multiple of the spacing before, so that some of its onsets can stay.
@@ -149,7 +179,17 @@ impl OnsetTest {
             [every, (until_s / period_s) as u64]
         });
         let samples = |time_s: f64| (time_s / period_s) as u64;
-        Self { threshold, spacings, first: samples(KNOWN_S), settled: samples(SETTLED_S) }
+        Self {
+            threshold,
+            estimate_factor,
+            spacings,
+            first: samples(KNOWN_S),
+            settled: samples(SETTLED_S),
+            known_for: samples(KNOWN_FOR_S),
+            bank_rad: v.mass_kg * looks_rad_per_n(0.0) * uncertainty.bank_m_per_s2,
+            by_force_rad_per_n: looks_rad_per_n(gust.acting_ahead_m),
+            gust,
+        }
     }
 
     /// The largest statistic over the threshold.
@@ -165,8 +205,8 @@ impl OnsetTest {
     /// Whether something speaks for a fault: the statistic, or that the filter knows one. What is known for
     /// longer than onsets are looked at bank and parameters might explain.
     pub(crate) fn speaks(&self, onsets: &Onsets, factor: f64) -> bool {
-        let [.., [_, horizon]] = self.spacings;
-        let knows = onsets.holds() && onsets.samples.saturating_sub(onsets.held_since) <= horizon;
+        let age = onsets.samples.saturating_sub(onsets.held_since);
+        let knows = onsets.holds() && age <= self.known_for;
         knows || self.exceeds(onsets, factor)
     }
 
@@ -182,7 +222,6 @@ impl OnsetTest {
         factor: f64,
         sample: u64,
     ) -> Option<FaultEstimate> {
-        let threshold = factor * self.threshold;
         let found = onsets.likeliest().filter(|_| self.exceeds(onsets, factor));
         let (fault_rad, variance, onset) = match found {
             Some((x, _)) => (
@@ -195,7 +234,7 @@ impl OnsetTest {
         };
         Some(FaultEstimate {
             fault_rad,
-            bound_rad: threshold * libm::sqrt(variance),
+            bound_rad: self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad),
             onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
         })
     }
@@ -216,12 +255,13 @@ impl OnsetTest {
             hypothesis.information += v_x * v_x + r * r;
             correction.correct(&mut hypothesis.error, [-v_x, -r]);
         }
-        let Some((likeliest, square)) = onsets.likeliest() else {
+        onsets.looks_rad = LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
+        let Some((likeliest, statistic)) = onsets.likeliest() else {
             onsets.statistic = 0.0;
             return false;
         };
         let likeliest = *likeliest;
-        onsets.statistic = libm::sqrt(square);
+        onsets.statistic = statistic;
         let onset = likeliest.onset.unwrap_or_default();
         self.exceeds(onsets, factor)
             && (onsets.samples.saturating_sub(onset) >= self.settled
@@ -257,7 +297,8 @@ impl OnsetTest {
         let held = magnitude(onsets.held_rad);
         onsets.largest_rad = onsets.largest_rad.max(held);
         onsets.hypotheses = Onsets::NONE.hypotheses;
-        let bound = factor * self.threshold * libm::sqrt(onsets.held_variance);
+        let uncertain = libm::sqrt(onsets.held_variance) + onsets.looks_rad;
+        let bound = factor * self.threshold * uncertain;
         further && held <= bound.max(GONE * onsets.largest_rad)
     }
 

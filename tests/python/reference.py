@@ -698,7 +698,7 @@ class Reference:
         obedient = within(followed.motions, self.armed_bounds[1:].T)
         astray = left & ~stale & (followed.since > self.window) & obedient.all(axis=(1, 2))
         second = self.estimator and SecondTest(self.vehicle, self.uncertainty, self.estimator, self.period)
-        told = (y, *steered, followed.a_x, episode)
+        told = (y, *steered, episode)
         alarm_cause, second_ratio, estimate = self._alarms(
             ~valid, enabled, monitors, monitors & (j_rms >= j_th), astray,
             monitors & (j_rms < RELEASE * j_th), debounce, hold_s, second, told, factor,
@@ -732,14 +732,14 @@ class Reference:
         causes, count, clear, cause = np.full(len(unseen), NO_ALARM), 0, 0, NO_ALARM
         ratios, ratio = np.zeros(len(unseen)), 0.0
         estimates, estimate = np.full((len(unseen), 3), np.nan), None
-        y, u, behind, a_x, episode = told
+        y, u, behind, episode = told
         for k in range(len(unseen)):
             if not unseen[k]:
                 speaks, is_clear, ratio, latest = False, True, 0.0, None
                 if second and enabled[k] and episode[k] >= 0:
                     if episode[k] == k:
                         second.restart()
-                    second.sample(y[k], u[k], behind[k], a_x[k], factor)
+                    second.sample(y[k], u[k], behind[k], factor)
                     if monitors[k]:
                         speaks, is_clear = second.speaks(factor), second.is_clear(factor)
                         ratio, latest = second.statistic / (factor * second.threshold), second.estimate(factor)

@@ -15,15 +15,16 @@ GRAVITY = 9.80665
 V_X, V_Y, R, BANK, GUST, MASS, YAW_INERTIA, FRONT, REAR, RATIO, OFFSET, YAW_RATE_BIAS, SPEED_SCALE = range(13)
 STATES = 13
 LEARNED = [BANK, *range(MASS, STATES)]  # kept through a start
-DEVIATION_OF_BOUND = 0.6
-BANK_WALK, WALK = 0.4, 0.017  # of a bound, of a standard deviation, per root of s
-GUST_S = 0.5
-SLOPE_NOISE, FORCE_NOISE = 0.05, 0.02
+BANK_WALK, WALK = 1.0, 0.017  # of a bound, which counts as a standard deviation, per root of s
+GUST_S = 0.5  # in which the gust walks by root 2 of its bound
+SLOPE_NOISE, FORCE_NOISE = 0.03, 0.03
 INITIAL_V_Y = 1.0
 LARGEST_ERROR = 0.5
 LOST, LOST_V_Y, LOST_R = 200.0, 50.0, 20.0
-SPACINGS_S = [(0.05, 0.5), (0.2, 2.0), (1.0, 10.0)]
-HYPOTHESES = 32
+SPACINGS_S = [(0.05, 0.5), (0.1, 1.0)]
+HYPOTHESES = 20
+KNOWN_FOR_S = 10.0
+LOOKS = 0.2  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.3
 CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
 
@@ -33,7 +34,7 @@ class SecondTest:
 
     def __init__(self, vehicle, uncertainty, estimator, period):
         self.vehicle, self.uncertainty, self.period = vehicle, uncertainty, period
-        self.threshold = estimator["threshold"]
+        self.threshold, self.estimate_factor = estimator["threshold"], estimator["estimate_factor"]
         self.noise = np.square(estimator["noise"])
         q = uncertainty
         bounds = np.zeros(STATES)
@@ -41,13 +42,13 @@ class SecondTest:
             q.bank, q.mass, q.yaw_inertia, q.front, q.rear,
             q.steering_ratio, q.steering_offset, q.yaw_rate_bias, q.v_x_scale,
         ]  # fmt: skip
-        self.deviations = DEVIATION_OF_BOUND * bounds
-        self.gust_decay = 1 / (1 + period / GUST_S)
+        self.deviations = bounds
         every, self.spacings = 1, []
         for spacing, until in SPACINGS_S:
             every *= max(int(spacing / period / every + 0.5), 1)
             self.spacings.append((every, int(until / period)))
         self.first, self.settled = int(KNOWN_S / period), int(SETTLED_S / period)
+        self.known_for = int(KNOWN_FOR_S / period)
         self.forget()
 
     def forget(self):
@@ -56,15 +57,26 @@ class SecondTest:
 
     def restart(self):
         """What has been learned of bank and parameters stays."""
-        self.samples, self.statistic = 0, 0.0
+        self.samples, self.statistic, self.looks = 0, 0.0, 0.0
         self.hypotheses = []
         self.held = self.variance = self.largest = 0.0
         self.held_onset = self.held_since = 0
 
+    def gust_force(self, v_x):
+        wind = self.uncertainty.gust_speed
+        return self.uncertainty.gust_coefficient * wind * np.sqrt(v_x**2 + wind**2)
+
     def gust_variance(self, v_x):
-        wind = DEVIATION_OF_BOUND * self.uncertainty.gust_speed
-        force = self.uncertainty.gust_coefficient * wind * np.sqrt(v_x**2 + wind**2)
-        return (force / self.vehicle["mass_kg"]) ** 2
+        return (self.gust_force(v_x) / self.vehicle["mass_kg"]) ** 2
+
+    def looks_like(self, force, ahead):
+        """The angle that a lasting side force, acting so far ahead, looks like, straight and steady."""
+        v = self.vehicle
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        on_axles = force * np.array([l_r + ahead, l_f - ahead]) / (l_f + l_r)
+        stiffnesses = [v["front_cornering_stiffness_n_per_rad"], v["rear_cornering_stiffness_n_per_rad"]]
+        slips = on_axles / (2 * np.array(stiffnesses))
+        return abs(slips[0] - slips[1])
 
     def axle_forces(self, x, steering, loads):
         v = self.vehicle
@@ -95,15 +107,15 @@ class SecondTest:
             ]
         )
 
-    def sample(self, y, u, behind, a_x, factor):
-        """Takes in a sample: measurement, input, the slowest actuator's lag in angle, acceleration."""
+    def sample(self, y, u, behind, factor):
+        """Takes in a sample: measurement, input, the slowest actuator's lag in angle."""
         starts = self.samples == 0
         if not starts and not self._update(y, factor):
             self.forget()
             starts = True
         if starts:
             self._start(y)
-        self._predict(u, behind, a_x)
+        self._predict(u, behind)
 
     def _start(self, y):
         kept = np.zeros(STATES)
@@ -133,8 +145,11 @@ class SecondTest:
             hypothesis[2] += s @ np.linalg.solve(S, innovation)
             hypothesis[3] += s @ np.linalg.solve(S, s)
             hypothesis[1] = hypothesis[1] - K @ s
+        q = self.uncertainty
+        by_bank = self.looks_like(self.vehicle["mass_kg"] * q.bank, 0.0)
+        self.looks = LOOKS * (by_bank + self.looks_like(self.gust_force(self.x[V_X]), q.gust_ahead))
         found = self.likeliest()
-        self.statistic = 0.0 if found is None else abs(found[2]) / np.sqrt(found[3])
+        self.statistic = 0.0 if found is None else self.statistic_of(found)
         limit = factor * self.threshold
         if self.statistic < limit:
             return True
@@ -155,19 +170,25 @@ class SecondTest:
         self.variance += 1 / c
         self.largest = max(self.largest, abs(self.held))
         self.hypotheses = []
-        return further and abs(self.held) <= max(limit * np.sqrt(self.variance), GONE * self.largest)
+        return further and abs(self.held) <= max(
+            limit * (np.sqrt(self.variance) + self.looks), GONE * self.largest
+        )
 
-    def _predict(self, u, behind, a_x):
+    def _predict(self, u, behind):
         v, q, t = self.vehicle, self.uncertainty, self.period
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
         # No more is unknown than at first, and no parameter is off by more than half.
         variances = np.diag(self.P)
         scale = np.ones(STATES)
-        excess = np.array([k in LEARNED and variances[k] > self.deviations[k] ** 2 for k in range(STATES)])
-        scale[excess] = self.deviations[excess] / np.sqrt(variances[excess])
+        largest = self.deviations**2
+        largest[GUST] = self.gust_variance(max(self.x[V_X], 0.1))
+        excess = (np.arange(STATES) >= BANK) & (variances > largest)
+        scale[excess] = np.sqrt(largest[excess] / variances[excess])
         self.P = self.P * np.outer(scale, scale)
         self.x[MASS:OFFSET] = np.clip(self.x[MASS:OFFSET], -LARGEST_ERROR, LARGEST_ERROR)
 
+        drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * max(self.x[V_X], 0.1) ** 2
+        a_x = drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + self.x[MASS]))
         moved = a_x * v["centre_of_gravity_height_m"] / GRAVITY
         loads = [1 - moved / l_r, 1 + moved / l_f]
         x, held = self.x, self.held
@@ -182,12 +203,10 @@ class SecondTest:
         over = t * (np.eye(3) + F / 2 + F @ F / 6)
         Phi = np.eye(STATES)
         Phi[:3] += over @ A
-        Phi[GUST, GUST] = self.gust_decay
         forces = self.axle_forces(x, u[1], loads)
         forces[0] += 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * held
         self.x = x.copy()
         self.x[:3] += over @ self.slope(x, u, held, loads)
-        self.x[GUST] *= self.gust_decay
         self.P = Phi @ self.P @ Phi.T
         self.P = (self.P + self.P.T) / 2
         self.P += self._noise(x, forces, loads, behind)
@@ -210,15 +229,15 @@ class SecondTest:
         for force, load, share in zip(forces, static, loads):
             square = (force / (q.friction * load)) ** 2
             missing = abs(force) * square * (35 + square) / (105 + 45 * square + square**2)
-            lasting = DEVIATION_OF_BOUND * (missing + abs(q.load_transfer * (share - 1) * force))
+            lasting = missing + abs(q.load_transfer * (share - 1) * force)
             intensities.append((FORCE_NOISE * force) ** 2 + lasting**2)
         stiffness = 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT])
-        intensities[0] += (DEVIATION_OF_BOUND * stiffness * behind) ** 2
+        intensities[0] += (stiffness * behind) ** 2
         by_force = np.array([[0, 0], [1 / mass, 1 / mass], [l_f / inertia, -l_r / inertia]])
         Q = np.zeros((STATES, STATES))
         Q[:3, :3] = t * (SLOPE_NOISE**2 * np.eye(3) + by_force @ np.diag(intensities) @ by_force.T)
         Q[BANK, BANK] = t * (BANK_WALK * q.bank) ** 2
-        Q[GUST, GUST] = self.gust_variance(max(x[V_X], 0.1)) * (1 - self.gust_decay**2)
+        Q[GUST, GUST] = t * 2 / GUST_S * self.gust_variance(max(x[V_X], 0.1))
         for k in range(MASS, STATES):
             Q[k, k] = t * (WALK * self.deviations[k]) ** 2
         return Q
@@ -228,10 +247,14 @@ class SecondTest:
 
     def likeliest(self):
         found = [h for h in self.hypotheses if h[3] > 0]
-        return max(found, key=lambda h: h[2] ** 2 / h[3], default=None)
+        return max(found, key=self.statistic_of, default=None)
+
+    def statistic_of(self, hypothesis):
+        _, _, a, c = hypothesis
+        return abs(a / c) / (1 / np.sqrt(c) + self.looks)
 
     def speaks(self, factor):
-        known = self.largest > 0 and self.samples - self.held_since <= self.spacings[-1][1]
+        known = self.largest > 0 and self.samples - self.held_since <= self.known_for
         return known or self.statistic >= factor * self.threshold
 
     def is_clear(self, factor):
@@ -246,4 +269,4 @@ class SecondTest:
             onset = onset if known else found[0]
         elif not known:
             return None
-        return fault, factor * self.threshold * np.sqrt(variance), self.samples - onset
+        return fault, self.estimate_factor * (np.sqrt(variance) + self.looks), self.samples - onset

@@ -29,8 +29,8 @@ use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::synthesis::theorem4::Theorem4;
-use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::PeakCertificate;
+use crate::threshold::second::SecondLevels;
 use crate::threshold::{self, Threshold, ThresholdError};
 
 /// The start-up term may be forgotten once below this share of the smallest fault's residual.
@@ -429,7 +429,9 @@ fn evaluate(
     let found = threshold::threshold(spec, theorem, gains, &configuration, progress)?;
     let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-    let of_second = |x: &Level| model::estimator(spec, e.margin * x.level);
+    let of_second = |x: &SecondLevels| {
+        model::estimator(spec, e.margin * x.largest(), x.in_99_of_100)
+    };
     let estimator = found.second.as_ref().and_then(of_second);
     let detector = Configuration { evaluation, estimator, ..configuration };
     progress(Step::Sight);

@@ -48,13 +48,13 @@ pub fn staleness(spec: &Spec) -> Staleness {
 /// Noise that the second test assumes where less is stated, m/s and rad/s: what the discretisation leaves.
 const LEAST_NOISE: [f64; 2] = [0.002, 0.0002];
 
-/// The second test with a threshold; none where `spec` asks for none, or for a kind of threshold that is
-/// told no uncertainty.
-pub fn estimator(spec: &Spec, threshold: f64) -> Option<Estimator> {
+/// The second test with its threshold and the factor of its estimate's bound; none where `spec` asks for none,
+/// or for a kind of threshold that is told no uncertainty.
+pub fn estimator(spec: &Spec, threshold: f64, estimate_factor: f64) -> Option<Estimator> {
     let asked = spec.estimator.enabled && spec.evaluation.threshold == ThresholdKind::Adaptive;
     let [v_x_std, r_std] = spec.noise.white_std();
     let noise = [v_x_std.max(LEAST_NOISE[0]), r_std.max(LEAST_NOISE[1])];
-    asked.then_some(Estimator { threshold, noise })
+    asked.then_some(Estimator { threshold, estimate_factor, noise })
 }
 
 /// D, 3 x n_d: a column of each disturbance, per unit.

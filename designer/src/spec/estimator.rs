@@ -3,16 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 /// `[estimator]`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EstimatorTable {
     /// Whether a Kalman filter that is told all of `[uncertainty]` looks for the fault beside the residual;
-    /// default true. Of `evaluation.threshold = "adaptive"` alone: the other kinds are told no uncertainty.
+    /// default false. Of `evaluation.threshold = "adaptive"` alone: the other kinds are told no uncertainty.
     pub enabled: bool,
-}
-
-impl Default for EstimatorTable {
-    fn default() -> Self {
-        Self { enabled: true }
-    }
 }

@@ -8,6 +8,7 @@
 
 pub mod calibration;
 pub mod guaranteed;
+pub mod second;
 
 use serde::Serialize;
 use steerguard_detector::{
@@ -23,6 +24,7 @@ use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::calibration::{Level, Levels, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
+use crate::threshold::second::SecondLevels;
 use crate::worst::UNREACHED;
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
@@ -81,8 +83,8 @@ pub struct Threshold {
     pub calibration: Option<Level>,
     /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
     pub uncertain: Option<Level>,
-    /// Largest statistic of the second test in the same drives, where it runs.
-    pub second: Option<Level>,
+    /// Largest statistics of the second test, where it runs.
+    pub second: Option<SecondLevels>,
     /// The bound and its causes, of kind "guaranteed".
     pub guaranteed: Option<Guaranteed>,
     /// What proves it.
@@ -133,11 +135,13 @@ pub fn threshold(
                 uncertainty_share: 1.0,
                 ..configuration.evaluation
             };
-            let estimator = model::estimator(spec, UNREACHED);
+            let estimator = model::estimator(spec, UNREACHED, UNREACHED);
             let bounded = Configuration { evaluation, estimator, ..*configuration };
-            let Levels { j: ratio, second } =
+            let Levels { j: ratio, second: at_random } =
                 largest(spec, &bounded, Population::Uncertain, progress)?;
-            let second = second.map(|x| Level { level: UNREACHED * x.level, ..x });
+            let second = at_random
+                .map(|at_random| SecondLevels::of(spec, &bounded, at_random, progress))
+                .transpose()?;
             let factor = e.margin * ratio.level;
             Ok(Threshold {
                 uncertainty_share: factor,

@@ -79,15 +79,19 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     let second = causes.second.as_ref();
     let estimator = design.detector.estimator.as_ref();
     same("threshold.second, whether there is one", &second.is_some(), &estimator.is_some())?;
-    if let Some((level, estimator)) = second.zip(estimator) {
-        near("detector.estimator.threshold", estimator.threshold, margin * level.level)?;
+    if let Some((levels, estimator)) = second.zip(estimator) {
+        let found = levels.search.iter().map(|of_family| of_family.level);
+        let largest = found.fold(levels.calibration.level, f64::max);
+        near("detector.estimator.threshold", estimator.threshold, margin * largest)?;
+        let key = "detector.estimator.estimate_factor";
+        near(key, estimator.estimate_factor, levels.in_99_of_100)?;
     }
 
     let discretisation = guaranteed.map(|x| &x.discretisation);
     for (key, level) in [
         ("calibration", levels[0]),
         ("uncertain", levels[1]),
-        ("second", second),
+        ("second.calibration", second.map(|levels| &levels.calibration)),
         ("guaranteed.discretisation", discretisation),
     ] {
         if let Some(Level { drives, exceeded_at_most, .. }) = level {

@@ -158,7 +158,8 @@ impl BakedDesign {
         }
         // One of no threshold is none.
         let mut told = estimator.unwrap_or(NO_ESTIMATOR);
-        for number in told.noise.iter_mut().chain([&mut told.threshold]) {
+        let Estimator { threshold, estimate_factor, noise } = &mut told;
+        for number in noise.iter_mut().chain([threshold, estimate_factor]) {
             archive.real(number);
         }
         *estimator = (told != NO_ESTIMATOR).then_some(told);
@@ -219,11 +220,11 @@ impl BakedDesign {
 }
 
 /// What stands for no second test.
-const NO_ESTIMATOR: Estimator = Estimator { threshold: 0.0, noise: [0.0; 2] };
+const NO_ESTIMATOR: Estimator = Estimator { threshold: 0.0, estimate_factor: 0.0, noise: [0.0; 2] };
 
 /// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation,
 /// actuator, deviations, zeros of the sensors, staleness, second test.
-const NUMBERS: usize = 3 + 10 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 8 + 4 + 19 + 2 + 3 + 3;
+const NUMBERS: usize = 3 + 10 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 8 + 4 + 19 + 2 + 3 + 4;
 
 fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
     let Vehicle {

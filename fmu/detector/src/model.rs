@@ -86,6 +86,8 @@ impl DetectorModel {
                 if output.alarm_cause == AlarmCause::Range {
                     self.place(output, text);
                     text.str(", although the command does not lead there");
+                } else if output.alarm_cause == AlarmCause::SecondTest {
+                    text.str("second_ratio = ").rounded(output.second_ratio);
                 } else {
                     text.str("J_rms = ").rounded(output.j_rms);
                     text.str(", J_th = ").rounded(output.j_th);
@@ -615,11 +617,12 @@ fn archive_onsets(onsets: &mut Onsets, archive: &mut Archive<'_>) {
         held_onset,
         held_since,
         statistic,
+        looks_rad,
     } = onsets;
     for count in [samples, held_onset, held_since] {
         archive.u64(count);
     }
-    for number in [held_rad, held_variance, largest_rad, statistic] {
+    for number in [held_rad, held_variance, largest_rad, statistic, looks_rad] {
         archive.real(number);
     }
     for Hypothesis { onset, error, correlation, information } in hypotheses {
