@@ -271,3 +271,24 @@ fn every_budget_is_kept() {
         assert!(found[0].ratio().is_some());
     }
 }
+
+#[test]
+fn the_second_test_has_worst_drives_of_its_own() {
+    let design = design();
+    let configuration = design.configuration();
+    let search = Search { objective: Objective::Second, ..SEARCH };
+    let families = [Family::AnyCourse, Family::All];
+    let found = worst(&design.spec, &configuration, &families, search, &|_| ()).unwrap();
+    let judge = Objective::Second.judge(&configuration).unwrap();
+    for found in found {
+        let (ratio, at_random) = (found.ratio().unwrap(), found.ratio_at_random.unwrap());
+        println!("{}: {ratio:.4}, at random {at_random:.4}", found.family.name());
+        assert!(ratio > at_random);
+        let (drive, worst) = found.worst.unwrap();
+        assert_eq!(drive.worst(&design.spec, judge), Some(worst));
+    }
+    // Of a detector without the second test there is nothing to find.
+    let without = Configuration { estimator: None, ..configuration };
+    let found = worst(&design.spec, &without, &families[..1], search, &|_| ()).unwrap();
+    assert_eq!(found[0].ratio(), Some(0.0));
+}

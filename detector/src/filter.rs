@@ -41,7 +41,7 @@ const WALK: f64 = 0.017;
 /// Noise of `dx/dt`, m/s^2 and rad/s^2 per root of Hz.
 const SLOPE_NOISE: f64 = 0.03;
 /// Noise of the axle forces, relative, per root of Hz.
-const FORCE_NOISE: f64 = 0.03;
+const FORCE_NOISE: f64 = 0.02;
 /// The wind's random walk, over that of the fastest gust: the variance of twice that in this time, s.
 const GUST_S: f64 = 0.5;
 /// Standard deviation of the lateral speed at a start, m/s.
@@ -113,11 +113,29 @@ impl Correction {
     }
 
     /// `x` plus the gains times a whitened innovation.
-    pub(crate) fn correct(&self, x: &mut [f64; STATES], [of_v_x, of_r]: [f64; 2]) {
-        for (x, (by_v_x, by_r)) in x.iter_mut().zip(self.gains[0].iter().zip(&self.gains[1])) {
-            *x += by_v_x * of_v_x + by_r * of_r;
+    pub(crate) fn correct(&self, x: &mut [f64; STATES], innovation: [f64; 2]) {
+        for (gains, innovation) in self.gains.iter().zip(innovation) {
+            add(x, innovation, gains, STATES);
         }
     }
+}
+
+/// `y + a x` of the first `n` states, in place. Not inlined, as the next one: small before fast.
+#[inline(never)]
+fn add(y: &mut [f64; STATES], a: f64, x: &[f64; STATES], n: usize) {
+    for (y, x) in y.iter_mut().zip(x).take(n) {
+        *y += a * x;
+    }
+}
+
+/// `x' y`.
+#[inline(never)]
+fn dot(x: &[f64; STATES], y: &[f64; STATES]) -> f64 {
+    let mut sum = 0.0;
+    for (x, y) in x.iter().zip(y) {
+        sum += x * y;
+    }
+    sum
 }
 
 /// `H x`, 2.
@@ -139,9 +157,7 @@ impl Transition {
     pub(crate) fn advance(&self, error: &mut [f64; STATES]) {
         let mut next = self.of_fault;
         for (next, phi) in next.iter_mut().zip(&self.phi) {
-            for (phi, error) in phi.iter().zip(error.iter()) {
-                *next += phi * error;
-            }
+            *next += dot(phi, error);
         }
         [error[0], error[1], error[2]] = next;
     }
@@ -260,11 +276,9 @@ impl Kalman {
             return None;
         }
         correction.correct(x, correction.innovation);
-        let [of_v_x, of_r] = &correction.gains;
-        let rows = p.iter_mut().zip(of_v_x.iter().zip(of_r)).take(self.states);
-        for (row, (i_v_x, i_r)) in rows {
-            for (p, (j_v_x, j_r)) in row.iter_mut().zip(of_v_x.iter().zip(of_r)).take(self.states) {
-                *p -= i_v_x * j_v_x + i_r * j_r;
+        for gains in &correction.gains {
+            for (row, gain) in p.iter_mut().zip(gains).take(self.states) {
+                add(row, -gain, gains, self.states);
             }
         }
         Some(correction)
@@ -339,9 +353,7 @@ impl Kalman {
         let mut phi = [[0.0; STATES]; 3];
         for (i, (phi, held)) in phi.iter_mut().zip(&held).enumerate() {
             for (held, a) in held.iter().zip(&a) {
-                for (phi, a) in phi.iter_mut().zip(a).take(n) {
-                    *phi += held * a;
-                }
+                add(phi, *held, a, n);
             }
             if let Some(phi) = phi.get_mut(i) {
                 *phi += 1.0;
@@ -356,14 +368,12 @@ impl Kalman {
         let mut rows = [[0.0; STATES]; 3];
         for (row, phi) in rows.iter_mut().zip(&phi) {
             for (phi, p) in phi.iter().zip(p.iter()).take(n) {
-                for (row, p) in row.iter_mut().zip(p).take(n) {
-                    *row += phi * p;
-                }
+                add(row, *phi, p, n);
             }
         }
         let mut block = [[0.0; 3]; 3];
         for (block, row) in block.iter_mut().zip(&rows) {
-            *block = product(&phi, row);
+            *block = phi.each_ref().map(|phi| dot(phi, row));
         }
         let mirrored = rows[0].iter().zip(&rows[1]).zip(&rows[2]);
         for (row, ((of_v_x, of_v_y), of_r)) in p.iter_mut().zip(mirrored).skip(3) {

@@ -33,6 +33,8 @@ const KNOWN_S: f64 = 0.5;
 const SETTLED_S: f64 = 0.3;
 /// A statistic of this many thresholds is taken in at once: what a large fault does is not linear for long.
 const CLEAR: f64 = 3.0;
+/// No road wheel is off by more, rad: a filter that finds more is lost.
+const LARGEST_FAULT_RAD: f64 = 1.6;
 /// A fault is over where less than this share of the largest is left.
 const GONE: f64 = 0.15;
 
@@ -239,8 +241,8 @@ impl OnsetTest {
         })
     }
 
-    /// Takes in what a measurement has said. Returns whether a fault that the filter knew is over: the
-    /// filter starts anew then.
+    /// Takes in what a measurement has said. Returns whether a fault that the filter knew is over, or the
+    /// filter lost: it starts anew then.
     pub(crate) fn correct(
         &self,
         onsets: &mut Onsets,
@@ -255,7 +257,8 @@ impl OnsetTest {
             hypothesis.information += v_x * v_x + r * r;
             correction.correct(&mut hypothesis.error, [-v_x, -r]);
         }
-        onsets.looks_rad = LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
+        onsets.looks_rad =
+            LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
         let Some((likeliest, statistic)) = onsets.likeliest() else {
             onsets.statistic = 0.0;
             return false;
@@ -263,6 +266,12 @@ impl OnsetTest {
         let likeliest = *likeliest;
         onsets.statistic = statistic;
         let onset = likeliest.onset.unwrap_or_default();
+        let Hypothesis { correlation, information, .. } = likeliest;
+        if self.exceeds(onsets, factor)
+            && magnitude(onsets.held_rad + correlation / information) > LARGEST_FAULT_RAD
+        {
+            return true;
+        }
         self.exceeds(onsets, factor)
             && (onsets.samples.saturating_sub(onset) >= self.settled
                 || self.exceeds(onsets, CLEAR * factor))

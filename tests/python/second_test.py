@@ -17,7 +17,7 @@ STATES = 13
 LEARNED = [BANK, *range(MASS, STATES)]  # kept through a start
 BANK_WALK, WALK = 1.0, 0.017  # of a bound, which counts as a standard deviation, per root of s
 GUST_S = 0.5  # in which the gust walks by root 2 of its bound
-SLOPE_NOISE, FORCE_NOISE = 0.03, 0.03
+SLOPE_NOISE, FORCE_NOISE = 0.03, 0.02
 INITIAL_V_Y = 1.0
 LARGEST_ERROR = 0.5
 LOST, LOST_V_Y, LOST_R = 200.0, 50.0, 20.0
@@ -27,6 +27,7 @@ KNOWN_FOR_S = 10.0
 LOOKS = 0.2  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.3
 CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
+LARGEST_FAULT = 1.6
 
 
 class SecondTest:
@@ -153,6 +154,8 @@ class SecondTest:
         limit = factor * self.threshold
         if self.statistic < limit:
             return True
+        if abs(self.held + found[2] / found[3]) > LARGEST_FAULT:
+            return False
         if self.samples - found[0] < self.settled and self.statistic < CLEAR * limit:
             return True
         return not self._take_in(found, limit)

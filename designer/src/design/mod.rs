@@ -429,9 +429,8 @@ fn evaluate(
     let found = threshold::threshold(spec, theorem, gains, &configuration, progress)?;
     let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-    let of_second = |x: &SecondLevels| {
-        model::estimator(spec, e.margin * x.largest(), x.in_99_of_100)
-    };
+    let of_second =
+        |x: &SecondLevels| model::estimator(spec, e.margin * x.largest(), x.in_99_of_100);
     let estimator = found.second.as_ref().and_then(of_second);
     let detector = Configuration { evaluation, estimator, ..configuration };
     progress(Step::Sight);

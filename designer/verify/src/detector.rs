@@ -98,8 +98,6 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
     let bias = rad(spec.sensors.yaw_rate_bias_deg_per_s);
     near(&of("yaw_rate_bias_rad_per_s"), zero.yaw_rate_bias_rad_per_s, bias)?;
     staleness_is(staleness, spec)?;
-    let runs = spec.estimator.enabled && spec.evaluation.threshold == "adaptive";
-    same("detector.estimator, whether there is one", &estimator.is_some(), &runs)?;
     if let Some(Estimator { noise, .. }) = estimator {
         let stds = [spec.noise.v_x.white_std_m_per_s, spec.noise.r.white_std_rad_per_s];
         let assumed = [0, 1].map(|k: usize| stds[k].max(LEAST_NOISE[k]));

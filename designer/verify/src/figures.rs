@@ -78,7 +78,9 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
 
     let second = causes.second.as_ref();
     let estimator = design.detector.estimator.as_ref();
-    same("threshold.second, whether there is one", &second.is_some(), &estimator.is_some())?;
+    let runs = design.spec.estimator.enabled && specified.threshold == "adaptive";
+    same("detector.estimator, whether there is one", &estimator.is_some(), &runs)?;
+    same("threshold.second, whether there is one", &second.is_some(), &runs)?;
     if let Some((levels, estimator)) = second.zip(estimator) {
         let found = levels.search.iter().map(|of_family| of_family.level);
         let largest = found.fold(levels.calibration.level, f64::max);

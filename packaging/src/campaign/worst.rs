@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 
 use steerguard_designer::Spec;
-use steerguard_designer::worst::{FamilyWorst, Objective};
 use steerguard_designer::worst::drive::{Drive, Worst};
+use steerguard_designer::worst::{FamilyWorst, Objective};
 use steerguard_world::Tyres;
 
 use crate::drive::scenario::{PlantParameter, Scenario, SensorNoise, Signal};

@@ -5,9 +5,7 @@ use std::path::PathBuf;
 
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
-use steerguard_designer::worst::{
-    BUDGET, Family, FamilyWorst, Objective, STARTS, Search, worst,
-};
+use steerguard_designer::worst::{BUDGET, Family, FamilyWorst, Objective, STARTS, Search, worst};
 use steerguard_designer::{Design, DesignStatus};
 
 use super::package::caution;

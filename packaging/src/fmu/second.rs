@@ -48,7 +48,8 @@ impl Second {
         match self {
             Self::NotAskedFor => None,
             Self::OfNoKind(_) => {
-                let off = "off: only evaluation.threshold = \"adaptive\" tells it what is uncertain";
+                let off =
+                    "off: only evaluation.threshold = \"adaptive\" tells it what is uncertain";
                 Some((None, vec![off.into()]))
             }
             Self::Runs(SecondTest { threshold, levels, .. }) => {
