@@ -8,8 +8,8 @@ use crate::onset::OnsetTest;
 use crate::reference::References;
 use crate::{
     Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation,
-    FaultEstimate, Filter, Input, MOTIONS, Measurement, Observer, Onsets, OperatingRange, Place,
-    RELEASE, ReferenceMotion, Responses, Rms, Signal, Staleness, StartUp, StateVector,
+    FaultEstimate, Filter, Input, Loading, MOTIONS, Measurement, Observer, Onsets, OperatingRange,
+    Place, RELEASE, ReferenceMotion, Responses, Rms, Signal, Staleness, StartUp, StateVector,
     VehicleState, Zero,
 };
 
@@ -149,6 +149,8 @@ pub struct State {
     pub last: Measurement,
     /// Samples since it changed.
     pub unchanged: u32,
+    /// Those of them since the commanded angle changed.
+    pub unanswered: u32,
     /// Consecutive samples that raise an alarm.
     pub exceedances: u32,
     /// Consecutive samples that would end one.
@@ -296,6 +298,7 @@ impl Detector {
                 filtered_v_x_m_per_s: 0.0,
                 last: Measurement::default(),
                 unchanged: 0,
+                unanswered: 0,
                 exceedances: 0,
                 clear: 0,
                 output: Output { j_th: evaluation.threshold, ..Output::default() },
@@ -497,6 +500,7 @@ impl Detector {
     /// ```
     pub fn sample(&mut self, y: Measurement, u: Input) -> &Output {
         let invalid = Signal::invalid(y, u);
+        let before = self.state.actuator.command;
         let [delta_rad, slowest_rad] = self.steer(u.delta_rad);
         if let Some(signal) = invalid {
             // Time passes unseen: z and motions are void, the last results stand.
@@ -504,25 +508,29 @@ impl Detector {
             state.stop_observer();
             state.followed = 0;
             state.unchanged = 0;
+            state.unanswered = 0;
             state.output.monitor = Monitor::InvalidInput;
             state.output.state_cause = StateCause::Signal(signal);
         } else {
             let r_rad_per_s = y.r_rad_per_s - self.zero.yaw_rate_bias_rad_per_s;
             let y = Measurement { r_rad_per_s, ..y };
             let u = Input { delta_rad, ..u };
-            let stale = self.compare(y);
+            let stale = self.compare(y, self.state.actuator.command != before);
             let a_x_m_per_s2 = self.follow(y);
+            let vehicle = &self.observer.model.vehicle;
+            let uncertainty = &self.deviations.uncertainty;
+            let loading = uncertainty.loading(vehicle, y.v_x_m_per_s, u.t_eng_n_m, a_x_m_per_s2);
             if self.enabled {
                 self.track(y);
                 if self.state.tracking {
-                    self.observe(y, u, slowest_rad - delta_rad, a_x_m_per_s2);
+                    self.observe(y, u, slowest_rad - delta_rad, loading);
                 }
                 self.decide(y, stale);
             } else {
                 self.rest();
             }
             if self.state.followed > 0 {
-                self.references.advance(&mut self.state.motions, y, a_x_m_per_s2, delta_rad);
+                self.references.advance(&mut self.state.motions, y, delta_rad, &loading);
             }
         }
         self.state.sample += 1;
@@ -551,8 +559,9 @@ impl Detector {
         }
     }
 
-    /// Whether measurements are stale at this one. Where they return with a jump the observer starts anew.
-    fn compare(&mut self, y: Measurement) -> bool {
+    /// Whether measurements are stale at this one. Where they return with a jump, or had left steering
+    /// unanswered for as long as makes them stale, the observer starts anew.
+    fn compare(&mut self, y: Measurement, steered: bool) -> bool {
         let state = &mut self.state;
         let period_s = self.observer.model.sampling_period_s;
         let stale = |unchanged: u32| {
@@ -564,13 +573,17 @@ impl Detector {
             && y.vector().map(f64::to_bits) == state.last.vector().map(f64::to_bits);
         if same {
             state.unchanged = state.unchanged.saturating_add(1);
+            if steered || state.unanswered > 0 {
+                state.unanswered = state.unanswered.saturating_add(1);
+            }
         } else {
             let jumps = || self.staleness.jumps(state.last, y).iter().any(Option::is_some);
-            if stale(state.unchanged) && jumps() {
+            if stale(state.unchanged) && (stale(state.unanswered) || jumps()) {
                 state.stop_observer();
                 state.followed = 0;
             }
             state.unchanged = 0;
+            state.unanswered = 0;
         }
         state.last = y;
         stale(state.unchanged)
@@ -628,7 +641,7 @@ impl Detector {
     }
 
     /// Residual and J of this sample, and z of the next.
-    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64, a_x_m_per_s2: f64) {
+    fn observe(&mut self, y: Measurement, u: Input, slowest_behind_rad: f64, loading: Loading) {
         let state = &mut self.state;
         let x_hat = self.observer.estimate(state.z, y);
         if !plausible(&x_hat) {
@@ -658,7 +671,7 @@ impl Detector {
             v_x_m_per_s,
         );
         let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
-        let place = Place { x, u, slowest_behind_rad, a_x_m_per_s2, motions: state.motions };
+        let place = Place { x, u, slowest_behind_rad, loading, motions: state.motions };
         state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &l, &place);
 
         if let Some(second) = &self.second {

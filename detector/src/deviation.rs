@@ -87,10 +87,30 @@ pub struct Place {
     pub u: Input,
     /// The angle of the slowest actuator less that angle, rad.
     pub slowest_behind_rad: f64,
-    /// Longitudinal acceleration, m/s^2.
-    pub a_x_m_per_s2: f64,
+    /// What loads the axles.
+    pub loading: Loading,
     /// Reference motions, where what is uncertain of the vehicle acts.
     pub motions: [ReferenceMotion; MOTIONS],
+}
+
+/// What loads the axles at a sample, beside the static loads and the forces that steering asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Loading {
+    /// Longitudinal acceleration as measured, m/s^2.
+    pub a_x_m_per_s2: f64,
+    /// That which the drive torque asks for, m/s^2.
+    pub asked_m_per_s2: f64,
+    /// Lateral forces of the axles, front and rear, that bank and gust ask for at their bounds, N.
+    pub aside_n: [f64; 2],
+}
+
+impl Loading {
+    /// Of the measured acceleration what the drive torque asks for, m/s^2: nothing of what a fault does to
+    /// the speed is in it.
+    pub(crate) fn driven_m_per_s2(&self) -> f64 {
+        let Self { a_x_m_per_s2: a_x, asked_m_per_s2: asked, .. } = *self;
+        if asked > 0.0 { a_x.min(asked).max(0.0) } else { a_x.max(asked).min(0.0) }
+    }
 }
 
 /// The uncertainties by name.
@@ -106,7 +126,7 @@ pub enum Cause {
     RearStiffness,
     /// Tyres that saturate.
     Friction,
-    /// Transfer of axle load.
+    /// Transfer of axle load: of what size, when, and where the vehicle is.
     LoadTransfer,
     /// Bank of the road.
     Bank,
@@ -131,9 +151,9 @@ pub enum Cause {
 /// Number of causes.
 pub const CAUSES: usize = 15;
 /// The first causes act along the reference motions,
-const ALONG: usize = 5;
+const ALONG: usize = 6;
 /// the next on the vehicle wherever it is,
-const COMMON: usize = 8;
+const COMMON: usize = 7;
 /// and the last on the measurement.
 const SENSED: usize = 2;
 
@@ -180,7 +200,13 @@ impl Uncertainty {
     /// The reference motions of `vehicle`.
     pub(crate) fn references(&self, vehicle: &Vehicle, period_s: f64) -> References {
         let stiffnesses = [self.front_cornering_stiffness, self.rear_cornering_stiffness];
-        References::new(vehicle, stiffnesses, self.mass, period_s)
+        References::new(
+            vehicle,
+            stiffnesses,
+            [self.mass, self.load_transfer],
+            self.friction,
+            period_s,
+        )
     }
 
     /// The slowest that an `actuator` may be.
@@ -192,25 +218,47 @@ impl Uncertainty {
         }
     }
 
+    /// Whether bank or gust push the vehicle aside.
+    fn pushes(&self) -> bool {
+        self.bank_m_per_s2 > 0.0 || self.gust.blows()
+    }
+
+    /// What loads the axles of `vehicle` at speed `v_x` in m/s, under a drive torque in N m, at the measured
+    /// longitudinal acceleration in m/s^2.
+    pub(crate) fn loading(
+        &self,
+        vehicle: &Vehicle,
+        v_x: f64,
+        t_eng_n_m: f64,
+        a_x_m_per_s2: f64,
+    ) -> Loading {
+        let asked = t_eng_n_m - vehicle.cruise_torque(v_x);
+        Loading {
+            a_x_m_per_s2,
+            asked_m_per_s2: asked / vehicle.effective_longitudinal_inertia_kg_m,
+            aside_n: self.aside_n(vehicle, v_x),
+        }
+    }
+
     /// Whether a cause is more than nothing.
     fn acts(&self, cause: Cause, vehicle: &Vehicle) -> bool {
-        let side_force = self.bank_m_per_s2 > 0.0 || self.gust.blows();
+        let side_force = self.pushes();
+        let transfers = vehicle.centre_of_gravity_height_m > 0.0;
+        let [front, rear] = [self.front_cornering_stiffness, self.rear_cornering_stiffness];
         match cause {
             Cause::Mass => self.mass > 0.0,
             Cause::YawInertia => self.yaw_inertia > 0.0,
-            Cause::FrontStiffness => self.front_cornering_stiffness > 0.0,
-            Cause::RearStiffness => self.rear_cornering_stiffness > 0.0,
+            Cause::FrontStiffness => front > 0.0,
+            Cause::RearStiffness => rear > 0.0,
             Cause::Friction => self.friction.is_some(),
-            Cause::LoadTransfer => {
-                self.load_transfer > 0.0 && vehicle.centre_of_gravity_height_m > 0.0
-            }
+            Cause::LoadTransfer => transfers,
             Cause::Bank => self.bank_m_per_s2 > 0.0,
             Cause::Gust => self.gust.blows(),
             Cause::Actuator => self.actuator_lag_s > 0.0 || self.actuator_delay_s > 0.0,
             Cause::SteeringRatio => self.steering_ratio > 0.0,
             Cause::SteeringOffset => self.steering_offset_rad > 0.0,
-            Cause::FrontUnderSideForce => side_force && self.front_cornering_stiffness > 0.0,
-            Cause::RearUnderSideForce => side_force && self.rear_cornering_stiffness > 0.0,
+            Cause::FrontUnderSideForce => side_force && (front > 0.0 || transfers),
+            Cause::RearUnderSideForce => side_force && (rear > 0.0 || transfers),
             Cause::YawRateBias => self.yaw_rate_bias_rad_per_s > 0.0,
             Cause::SpeedScale => self.v_x_scale > 0.0,
         }
@@ -227,45 +275,70 @@ impl Uncertainty {
         ]
     }
 
-    /// What each cause that acts along a motion adds to x', at `x` of that motion, under static axle loads in
-    /// N.
+    /// What each cause that acts along a motion adds to x', at `x` of that motion; `modelled` are the axle
+    /// forces in N at which the known transfer of axle load is taken.
     fn along(
         &self,
         vehicle: &Vehicle,
-        [front_load, rear_load]: [f64; 2],
+        place: &Place,
         x: VehicleState,
-        u: Input,
+        modelled: [f64; 2],
     ) -> [StateVector; ALONG] {
-        let [v_x, v_y, _] = x.vector();
+        let Place { u, loading: Loading { a_x_m_per_s2: a_x, asked_m_per_s2, aside_n }, .. } =
+            *place;
+        let [_, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
-        let [front, rear] = vehicle.axle_forces(x, u.delta_rad);
+        let at_rest = vehicle.axle_forces(x, u.delta_rad);
+        let loads = vehicle.load_factors(a_x);
+        let [front, rear] = [at_rest[0] * loads[0], at_rest[1] * loads[1]];
+        let [front_held, rear_held] = vehicle.axle_loads_n(0.0);
         let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
-        let longitudinal = (u.t_eng_n_m - vehicle.cruise_torque(v_x))
-            / vehicle.effective_longitudinal_inertia_kg_m;
         let saturated = self.friction.map_or([0.0; 3], |friction| {
-            let missing = |force: f64, load: f64| -force * deficit(force / (friction * load));
-            self.of_forces(vehicle, missing(front, front_load), missing(rear, rear_load))
+            // Force and load go together: the share that is missing is that at rest.
+            let missing = |at_rest: f64, aside: f64, held: f64| {
+                let most = magnitude(at_rest) + aside;
+                let missing = most * deficit(most / (friction * held));
+                if at_rest > 0.0 { missing } else { -missing }
+            };
+            let of_front = loads[0] * missing(at_rest[0], aside_n[0], front_held);
+            let of_rear = loads[1] * missing(at_rest[1], aside_n[1], rear_held);
+            self.of_forces(vehicle, -of_front, -of_rear)
         });
+        // The transfer that is known is taken where the vehicle as modelled is, and its size from the speed.
+        let unknown = self.load_transfer * magnitude(a_x) + magnitude(asked_m_per_s2 - a_x);
+        let along_it = if a_x < 0.0 { -unknown } else { unknown };
+        let elsewhere = [at_rest[0] - modelled[0], at_rest[1] - modelled[1]];
+        let transferred =
+            sum(vehicle.load_transfer(elsewhere, a_x), vehicle.load_transfer(at_rest, along_it));
         [
-            [self.mass * longitudinal, self.mass * (front + rear - drag) / m, 0.0],
+            [self.mass * asked_m_per_s2, self.mass * (front + rear - drag) / m, 0.0],
             [0.0, 0.0, self.yaw_inertia * (l_f * front - l_r * rear) / i_z],
             self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
             self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),
             saturated,
+            transferred,
         ]
     }
 
-    /// What each cause that acts wherever the vehicle is adds to x'; `transfer` is what the known transfer
-    /// of axle load adds.
-    fn common(
-        &self,
-        vehicle: &Vehicle,
-        place: &Place,
-        transfer: StateVector,
-    ) -> [StateVector; COMMON] {
+    /// Axle forces in N, front and rear, that hold the vehicle straight against bank and gust at speed `v_x`
+    /// in m/s, each at its bound.
+    fn aside_n(&self, vehicle: &Vehicle, v_x: f64) -> [f64; 2] {
+        if !self.pushes() {
+            return [0.0; 2];
+        }
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
         let wheelbase = l_f + l_r;
+        let (gust, ahead) = (self.gust.side_force(v_x), self.gust.acting_ahead_m);
+        let bank = vehicle.mass_kg * self.bank_m_per_s2;
+        [
+            (bank * l_r + gust * magnitude(l_r + ahead)) / wheelbase,
+            (bank * l_f + gust * magnitude(l_f - ahead)) / wheelbase,
+        ]
+    }
+
+    /// What each cause that acts wherever the vehicle is adds to x'.
+    fn common(&self, vehicle: &Vehicle, place: &Place) -> [StateVector; COMMON] {
         let by_steering = 2.0 * vehicle.front_cornering_stiffness_n_per_rad;
         let turned = |angle_rad: f64| self.of_forces(vehicle, by_steering * angle_rad, 0.0);
         let gust = self.gust.side_force(place.x.v_x_m_per_s);
@@ -275,19 +348,18 @@ impl Uncertainty {
             (1.0 + self.mass) * gust / vehicle.mass_kg,
             (1.0 + self.yaw_inertia) * ahead * gust / vehicle.yaw_inertia_kg_m2,
         ];
-        // Axle forces that hold the vehicle straight against bank and gust.
-        let bank = vehicle.mass_kg * self.bank_m_per_s2;
-        let front = (bank * l_r + gust * magnitude(l_r + ahead)) / wheelbase;
-        let rear = (bank * l_f + gust * magnitude(l_f - ahead)) / wheelbase;
+        let [front, rear] = place.loading.aside_n;
+        // By as much the stiffness may be another, load and tyre together.
+        let other = |tyre: f64, load: f64| tyre * load + magnitude(load - 1.0);
+        let loads = vehicle.load_factors(place.loading.a_x_m_per_s2);
         [
-            transfer.map(|x| self.load_transfer * x),
             [0.0, self.bank_m_per_s2, 0.0],
             of_gust,
             turned(place.slowest_behind_rad),
             turned(self.steering_ratio * place.u.delta_rad),
             turned(self.steering_offset_rad),
-            self.of_forces(vehicle, self.front_cornering_stiffness * front, 0.0),
-            self.of_forces(vehicle, 0.0, self.rear_cornering_stiffness * rear),
+            self.of_forces(vehicle, other(self.front_cornering_stiffness, loads[0]) * front, 0.0),
+            self.of_forces(vehicle, 0.0, other(self.rear_cornering_stiffness, loads[1]) * rear),
         ]
     }
 
@@ -343,8 +415,6 @@ pub(crate) struct Standing {
     transfers: bool,
     /// Whether something asks for the model's Jacobian.
     curves: bool,
-    /// Static loads of the axles, N.
-    axle_loads_n: [f64; 2],
 }
 
 impl Standing {
@@ -365,7 +435,6 @@ impl Standing {
             transfers: vehicle.centre_of_gravity_height_m > 0.0,
             curves: deviations.euler_correction
                 || acting.iter().skip(ALONG + COMMON).any(|&acts| acts),
-            axle_loads_n: vehicle.axle_loads_n(0.0),
         }
     }
 
@@ -488,7 +557,7 @@ impl Responses {
         l: &[[f64; 2]; 3],
         place: &Place,
     ) {
-        let Place { x, u, a_x_m_per_s2, .. } = *place;
+        let Place { x, u, loading: Loading { a_x_m_per_s2, .. }, .. } = *place;
         let vehicle = &observer.model.vehicle;
         let t = observer.model.sampling_period_s;
         let jacobian = if standing.curves { vehicle.jacobian(x) } else { [[0.0; 3]; 3] };
@@ -500,11 +569,16 @@ impl Responses {
         };
         self.fault = sum(product(n, &self.fault), product(&held, &deviations.smallest_fault));
 
-        let forces = vehicle.axle_forces(x, u.delta_rad);
-        let transfer =
-            if standing.transfers { vehicle.load_transfer(forces, a_x_m_per_s2) } else { [0.0; 3] };
+        let [modelled, ..] = place.motions.map(|motion| motion.at(x.v_x_m_per_s));
+        let modelled = vehicle.axle_forces(modelled, u.delta_rad);
+        let transfer = if standing.transfers {
+            vehicle.load_transfer(modelled, a_x_m_per_s2)
+        } else {
+            [0.0; 3]
+        };
         if deviations.euler_correction {
             // x(t + T_s) = x + T_s x' + T_s^2/2 x'' + ...: Euler's step has all but the last.
+            let forces = vehicle.axle_forces(x, u.delta_rad);
             let x_dot = vehicle.derivative_under(x, u.t_eng_n_m, forces);
             let remainder = product(&jacobian, &x_dot).map(|x| 0.5 * t * t * x);
             self.known = observer.respond(n, self.known, remainder);
@@ -520,7 +594,7 @@ impl Responses {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
             for (responses, motion) in motions {
                 let x = motion.at(x.v_x_m_per_s);
-                let slopes = uncertainty.along(vehicle, standing.axle_loads_n, x, u);
+                let slopes = uncertainty.along(vehicle, place, x, modelled);
                 for ((e, slope), acts) in responses.iter_mut().zip(slopes).zip(standing.acting(0)) {
                     if *acts {
                         *e = respond(*e, slope);
@@ -528,7 +602,7 @@ impl Responses {
                 }
             }
         }
-        let slopes = uncertainty.common(vehicle, place, transfer);
+        let slopes = uncertainty.common(vehicle, place);
         for ((e, slope), acts) in self.common.iter_mut().zip(slopes).zip(standing.acting(ALONG)) {
             if *acts {
                 *e = respond(*e, slope);

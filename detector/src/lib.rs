@@ -42,7 +42,7 @@ pub use detector::{
     AlarmCause, Detector, Initialisation, LARGEST_ESTIMATE, Monitor, Output, State, StateCause,
     StateError,
 };
-pub use deviation::{CAUSES, Cause, Deviations, Gust, Place, Responses, Uncertainty};
+pub use deviation::{CAUSES, Cause, Deviations, Gust, Loading, Place, Responses, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use filter::{Estimator, Filter, STATES};
 pub use observer::{Gains, Observer};

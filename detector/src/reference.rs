@@ -6,15 +6,19 @@
 //! there.
 //!
 //! # Conventions
-//! - Cornering stiffness goes with axle load, which braking moves to the front: the motions brake too.
-//! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft
-//!   as stated; and the reverse. Near its critical speed a vehicle answers by a multiple of what the model
-//!   says.
+//! - Cornering stiffness goes with axle load, which the driver moves to the front by braking: the motions
+//!   brake too. What a fault does to the speed moves them no more than what it does to the yaw rate.
+//! - Three motions: of the vehicle as modelled; with the front tyres as stiff and the rear tyres as soft as
+//!   stated, as heavy, with as much of its load transferred and as little friction; and the same with the
+//!   front tyres soft and the rear tyres stiff. Near its critical speed a vehicle answers by a multiple of
+//!   what the model says.
+//! - Tyres that end are taken for linear ones that give the same force at the slip of the sample.
 //! - A motion that is unstable, or might be, is drawn to the measured yaw rate: by [`DRAWN_FROM`] of the
 //!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
 //! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
 
-use crate::{Measurement, Vehicle, VehicleState};
+use crate::deviation::{deficit, magnitude};
+use crate::{Loading, Measurement, Vehicle, VehicleState};
 
 /// Number of reference motions.
 pub const MOTIONS: usize = 3;
@@ -51,10 +55,11 @@ struct Coefficients {
 }
 
 impl Coefficients {
-    /// Those of `vehicle` with its stiffnesses, front and rear, times these factors.
-    fn of(vehicle: &Vehicle, [front_factor, rear_factor]: [f64; 2]) -> Self {
+    /// Those of `vehicle` with its stiffnesses, front and rear, times these factors and its mass divided by
+    /// `lightness`.
+    fn of(vehicle: &Vehicle, [front_factor, rear_factor]: [f64; 2], lightness: f64) -> Self {
         let v = vehicle;
-        let (m, i_z) = (v.mass_kg, v.yaw_inertia_kg_m2);
+        let (m, i_z) = (v.mass_kg / lightness, v.yaw_inertia_kg_m2);
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
         let c_f = 2.0 * front_factor * v.front_cornering_stiffness_n_per_rad;
         let c_r = 2.0 * rear_factor * v.rear_cornering_stiffness_n_per_rad;
@@ -72,59 +77,104 @@ pub(crate) struct References {
     vehicle: Vehicle,
     /// Factors of the stiffnesses, front and rear, motion by motion.
     factors: [[f64; 2]; MOTIONS],
-    /// Least of the true mass M' as M / M'.
+    /// M / M' of the heaviest vehicle stated, M' its mass: all but the first.
     lightness: f64,
+    /// How many times the known transfer of axle load they have at most.
+    transfer: f64,
+    /// Smallest friction between tyre and road that the others than the first motion have; none for tyres
+    /// without end.
+    friction: Option<f64>,
     /// The first of the motions differ.
     pub(crate) distinct: usize,
-    /// At the static axle loads.
-    at_rest: Loaded,
+    /// On tyres without end, at the static axle loads.
+    at_rest: Stiffnesses,
     period_s: f64,
 }
 
-/// The motions under given axle loads.
+/// What the axles' stiffnesses make of the motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Loaded {
+struct Stiffnesses {
     motions: [Coefficients; MOTIONS],
     /// The critical speed of the worst vehicle stated, m/s; none where none oversteers.
     critical_m_per_s: Option<f64>,
 }
 
-impl Loaded {
-    /// With stiffnesses of so many times those at the static loads, front and rear.
-    fn new(
-        vehicle: &Vehicle,
-        factors: &[[f64; 2]; MOTIONS],
-        lightness: f64,
-        loads: [f64; 2],
-    ) -> Self {
-        let loaded = factors.map(|[front, rear]| [front * loads[0], rear * loads[1]]);
-        let [_, worst, _] = loaded;
+impl Stiffnesses {
+    /// Stiffnesses of so many times the vehicle's, front and rear.
+    fn new(vehicle: &Vehicle, factors: &[[f64; 2]; MOTIONS], lightness: f64) -> Self {
+        let [_, worst, _] = *factors;
         Self {
-            motions: loaded.map(|factors| Coefficients::of(vehicle, factors)),
+            motions: [
+                Coefficients::of(vehicle, factors[0], 1.0),
+                Coefficients::of(vehicle, factors[1], lightness),
+                Coefficients::of(vehicle, factors[2], lightness),
+            ],
             critical_m_per_s: critical_speed(vehicle, worst, lightness),
         }
     }
 }
 
 impl References {
-    /// Those of a vehicle with relative uncertainties of its front and rear stiffness and its mass.
-    pub(crate) fn new(vehicle: &Vehicle, [c_f, c_r]: [f64; 2], mass: f64, period_s: f64) -> Self {
+    /// Those of a vehicle with relative uncertainties of its front and rear stiffness, of its mass and of the
+    /// transfer of axle load, on tyres with as little friction.
+    pub(crate) fn new(
+        vehicle: &Vehicle,
+        [c_f, c_r]: [f64; 2],
+        [mass, load_transfer]: [f64; 2],
+        friction: Option<f64>,
+        period_s: f64,
+    ) -> Self {
         let softest = |c: f64| (1.0 - c).max(0.1);
         let factors = [[1.0, 1.0], [1.0 + c_f, softest(c_r)], [softest(c_f), 1.0 + c_r]];
+        let uncertain = c_f.max(c_r).max(mass).max(load_transfer);
         // M' = M / (1 - mass).
         let lightness = (1.0 - mass).max(0.1);
         Self {
             vehicle: *vehicle,
             factors,
             lightness,
-            distinct: if c_f > 0.0 || c_r > 0.0 { MOTIONS } else { 1 },
-            at_rest: Loaded::new(vehicle, &factors, lightness, [1.0, 1.0]),
+            transfer: 1.0 + load_transfer,
+            friction,
+            distinct: if uncertain > 0.0 || friction.is_some() { MOTIONS } else { 1 },
+            at_rest: Stiffnesses::new(vehicle, &factors, lightness),
             period_s,
         }
     }
+
+    /// At a speed in m/s and an angle at the road wheel in rad.
+    fn stiffnesses(
+        &self,
+        motions: &[ReferenceMotion; MOTIONS],
+        v_x_m_per_s: f64,
+        delta_rad: f64,
+        loading: &Loading,
+    ) -> Stiffnesses {
+        let mut factors = self.factors;
+        if let Some(friction) = self.friction {
+            // Of the force that a tyre without end would give at this slip, what friction leaves.
+            let held = self.vehicle.axle_loads_n(0.0).map(|load| friction * load);
+            for (factors, motion) in factors.iter_mut().zip(motions).skip(1) {
+                let forces = self.vehicle.axle_forces(motion.at(v_x_m_per_s), delta_rad);
+                for (((factor, force), aside), held) in
+                    factors.iter_mut().zip(forces).zip(loading.aside_n).zip(held)
+                {
+                    let most = magnitude(*factor * force) + aside;
+                    *factor *= 1.0 - deficit(most / held);
+                }
+            }
+        }
+        let driven = loading.driven_m_per_s2();
+        let loads = [1.0, self.transfer, self.transfer]
+            .map(|times| self.vehicle.load_factors(times * driven));
+        for ([front, rear], [front_load, rear_load]) in factors.iter_mut().zip(loads) {
+            *front *= front_load;
+            *rear *= rear_load;
+        }
+        Stiffnesses::new(&self.vehicle, &factors, self.lightness)
+    }
 }
 
-impl Loaded {
+impl Stiffnesses {
     /// How fast motions are drawn to the measured yaw rate at a speed, 1/s.
     fn draw_per_s(&self, v_x: f64) -> f64 {
         self.critical_m_per_s.map_or(0.0, |critical| {
@@ -135,27 +185,29 @@ impl Loaded {
 }
 
 impl References {
-    /// Takes the motions on by a sample, from measurement, longitudinal acceleration in m/s^2 and angle at
-    /// the road wheel in rad.
+    /// Takes the motions on by a sample, from measurement, angle at the road wheel in rad and what loads
+    /// the axles.
     pub(crate) fn advance(
         &self,
         motions: &mut [ReferenceMotion; MOTIONS],
         y: Measurement,
-        a_x_m_per_s2: f64,
         delta_rad: f64,
+        loading: &Loading,
     ) {
         let Measurement { v_x_m_per_s: v_x, r_rad_per_s: r } = y;
         let half = 0.5 * self.period_s;
-        let transferred;
-        let loaded = if self.vehicle.centre_of_gravity_height_m > 0.0 {
-            let loads = self.vehicle.load_factors(a_x_m_per_s2);
-            transferred = Loaded::new(&self.vehicle, &self.factors, self.lightness, loads);
-            &transferred
-        } else {
-            &self.at_rest
-        };
-        let draw = loaded.draw_per_s(v_x);
-        for (motion, coefficients) in motions.iter_mut().zip(&loaded.motions).take(self.distinct) {
+        let here;
+        let stiffnesses =
+            if self.vehicle.centre_of_gravity_height_m > 0.0 || self.friction.is_some() {
+                here = self.stiffnesses(motions, v_x, delta_rad, loading);
+                &here
+            } else {
+                &self.at_rest
+            };
+        let draw = stiffnesses.draw_per_s(v_x);
+        for (motion, coefficients) in
+            motions.iter_mut().zip(&stiffnesses.motions).take(self.distinct)
+        {
             let Coefficients { lateral, yaw } = coefficients;
             // x' = A x + b over half a period, on both sides of (I - A) x+ = (I + A) x + 2 b.
             let a_11 = half * lateral[0] / v_x;

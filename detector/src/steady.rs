@@ -37,13 +37,18 @@ pub fn steady_response(
         x,
         u,
         slowest_behind_rad: 0.0,
-        a_x_m_per_s2: 0.0,
+        loading: uncertainty.loading(
+            &model.vehicle,
+            v_x_m_per_s,
+            model.vehicle.cruise_torque(v_x_m_per_s),
+            0.0,
+        ),
         motions: [ReferenceMotion { v_y_m_per_s, r_rad_per_s }; MOTIONS],
     };
     let mut responses = Responses::NONE;
     for _ in 0..samples {
         responses.advance(&standing, deviations, &observer, &n, &l, &place);
-        references.advance(&mut place.motions, x.measured(), 0.0, u.delta_rad);
+        references.advance(&mut place.motions, x.measured(), u.delta_rad, &place.loading);
     }
     SteadyResponse {
         by_cause: responses.levels_by_cause(deviations, &observer, evaluation, v_x_m_per_s),

@@ -113,7 +113,7 @@ fn a_state_that_none_can_have_had_is_refused() {
         |s: &mut State| s.start_up.samples = 41,
         |s: &mut State| s.start_up.sum = NAN,
         |s: &mut State| s.responses.along[2][4][2] = NAN,
-        |s: &mut State| s.responses.common[7][2] = NAN,
+        |s: &mut State| s.responses.common[6][2] = NAN,
         |s: &mut State| s.motions[1].v_y_m_per_s = NAN,
         |s: &mut State| s.output.alarm_cause = AlarmCause::Range,
         |s: &mut State| s.responses.fault_rms.newer = NAN,

@@ -165,6 +165,9 @@ variables! {
             Role::CONSTANT, Kind::real(&unit::SECOND).nominal(0.01);
         DesignCertified, "design.certified",
             "True if beta, gamma and gap are proven; else they are 0", Role::CONSTANT, Kind::Boolean;
+        DesignBlind, "design.blind",
+            "True if the design misses its smallest fault of interest straight ahead",
+            Role::CONSTANT, Kind::Boolean;
         DesignBeta, "design.beta", "Certified fault sensitivity beta of the design", Role::CONSTANT,
             Kind::real(&unit::ONE).nominal(1.0);
         DesignGamma, "design.gamma", "Certified disturbance gain gamma of the design",

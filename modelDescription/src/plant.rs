@@ -94,7 +94,7 @@ variables! {
         FrictionLimited, "tyre.friction_limited", "Whether friction limits the axle forces (tanh)",
             Role::FIXED_PARAMETER, Kind::Boolean;
         Friction, "tyre.friction", "Friction coefficient, used if tyre.friction_limited",
-            Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(0.01).max(3.0).nominal(1.0);
+            Role::FIXED_PARAMETER, Kind::real(&unit::ONE).min(0.01).max(10.0).nominal(1.0);
         ActuatorLag, "actuator.lag",
             "Time constant of the steering actuator, 0 for none",
             Role::FIXED_PARAMETER, Kind::real(&unit::SECOND).min(0.0).max(10.0).nominal(0.1);

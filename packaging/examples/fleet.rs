@@ -20,6 +20,8 @@ use fleet::trial::{Made, Trial, Trials};
 
 /// Drives with biases of a car, and as many without a fault.
 const DRIVES: u64 = 100;
+/// More than there are cars.
+const CARS: u64 = 1000;
 
 /// A row of the table.
 struct Row<'a> {
@@ -144,12 +146,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     // target/PROFILE/examples/fleet
     let this = std::env::current_exe()?;
     let profile = this.ancestors().nth(2).ok_or("no folder of executables")?;
-    let trials = Trials { steerguard: profile.join("steerguard"), drives: DRIVES, seed };
+    let steerguard = profile.join("steerguard");
 
     println!("{}", Row::HEAD);
     let mut tried = Vec::new();
-    for car in fleet(all)? {
+    for (place, car) in fleet(all)?.into_iter().enumerate() {
         if names.is_empty() || names.iter().any(|name| car.name.contains(name.as_str())) {
+            // Each car is driven its own drives, with or without the others.
+            let seed = CARS * seed + place as u64;
+            let trials = Trials { steerguard: steerguard.clone(), drives: DRIVES, seed };
             let of_car = trials.of(car.spec()?)?;
             for trial in &of_car {
                 println!("{}", Row { car: &car.name, trial });

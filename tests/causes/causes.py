@@ -64,7 +64,7 @@ def braking(plant, detector):
         def slope(t, speed=speed):
             return -5.0 if 4 <= t < 4 + (speed - 7) / 5 else 0.0
 
-        yield drive(plant, detector, speed, steering=turn(speed, 3.0 * side), slope=slope)
+        yield drive(plant, detector, speed, steering=turn(speed, 3.0 * side), slope=slope, vehicle={"vehicle.h": 0.55})
 
 
 def end_stop(plant, detector):
@@ -89,7 +89,7 @@ def disabled(plant, detector):
 
 
 def stale(plant, detector, parameters=None):
-    """v_x and r stand for a second of a weave of 3 m/s^2."""
+    """v_x and r stand for a second of a weave of 2 m/s^2."""
     for speed, start in ((speed, start) for speed in (8.0, 16.0, 24.0) for start in (4.0, 5.25, 6.5)):
         held = {}
 
@@ -99,7 +99,7 @@ def stale(plant, detector, parameters=None):
             held |= {name: told[name] for name in ("v_x", "r")}
             return told
 
-        yield drive(plant, detector, speed, steering=weave(speed, 3.0), told=told, parameters=parameters)
+        yield drive(plant, detector, speed, steering=weave(speed, 2.0), told=told, parameters=parameters)
 
 
 def reversing(detector, sign):
@@ -128,8 +128,9 @@ DRIVEN = [
     ("yaw moment of 1000 N m for 1 s, as a disturbance", "", BRAKE, brake, brake),
     ("yaw moment of 3000 N m for 0.5 s, `enabled` false", "", "",
      lambda plant, detector: brake(plant, detector, 3000.0, 0.5), disabled),
-    ("v_x and r stand for 1 s, `stale_after_s` 0.2", "", "",
-     lambda plant, detector: stale(plant, detector, {"stale_after_s": 0.0}), stale),
+    ("v_x and r stand for 1 s, `stale_after_s` 0.1", "", "",
+     lambda plant, detector: stale(plant, detector, {"stale_after_s": 0.0}),
+     lambda plant, detector: stale(plant, detector, {"stale_after_s": 0.1})),
     ("reversing, `v_x` signed", "", "",
      lambda plant, detector: reversing(detector, -1), lambda plant, detector: reversing(detector, 1)),
 ]  # fmt: skip

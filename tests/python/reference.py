@@ -22,7 +22,8 @@ Behaviour stated here and nowhere in the equations
   once estimate and measurement are back in the armed range.
 - Switched off, no observer runs, no alarm stands and no count is kept; reference motions go on.
 - v_x and r both unchanged for longer than a stated time, v_x in its range, are stale: observer and
-  window go on, detectability is 0. Where they then jump, observer and motions start anew.
+  window go on, detectability is 0. Where they then jump, or the command moved longer ago than that time,
+  observer and motions start anew.
 - Reference motions are followed while v_x lies in its range, from the first measurement on.
 - Alarm by range: r or the estimate of v_y lies outside S_x and all reference motions, followed for more
   than a window, lie in the armed range.
@@ -392,43 +393,79 @@ class Reference:
             ]
         )
 
-    def load_transfer(self, x, delta, a_x):
+    def load_transfer(self, forces, a_x):
         """x' of what cornering stiffness, in proportion to axle load, gains and loses (method 2)."""
-        front, rear = self.axle_forces(x, delta)
+        front, rear = forces
         moved = self.mass * a_x * self.height / (self.l_f + self.l_r)  # from front to rear, N
         static = self.mass * GRAVITY / (self.l_f + self.l_r) * np.array([self.l_r, self.l_f])
         return self.by_forces([-front * moved / static[0], rear * moved / static[1]])
 
-    def critical_speed(self, loads=(1, 1)):
-        """Of the worst vehicle stated, m/s; inf where none oversteers. Stiffness is times `loads`.
+    def loads(self, a_x):
+        """Axle loads over the static ones."""
+        moved = a_x * self.height / GRAVITY
+        return np.maximum([1 - moved / self.l_r, 1 + moved / self.l_f], 0.1)
+
+    def missing(self, forces):
+        """Share of axle forces on tyres without end, at the static loads, that friction does not give.
+
+        1 - tanh(s) / s by the convergent of tanh with s^4 below, which lies above.
+        """
+        static = self.mass * GRAVITY * np.array([self.l_r, self.l_f]) / (self.l_f + self.l_r)
+        square = np.square(forces / (self.uncertainty.friction * static))
+        return square * (35 + square) / (105 + 45 * square + square**2)
+
+    def aside(self, v_x):
+        """Axle forces that hold bank and gust at their bounds, on levers about the other axle."""
+        q = self.uncertainty
+        levers = np.abs([self.l_r + q.gust_ahead, self.l_f - q.gust_ahead])
+        bank = self.mass * q.bank * np.array([self.l_r, self.l_f])
+        return (bank + self.gust(v_x) * levers) / (self.l_f + self.l_r)
+
+    def gust(self, v_x):
+        q = self.uncertainty
+        return q.gust_coefficient * q.gust_speed * np.hypot(v_x, q.gust_speed)
+
+    def asked(self, v_x, torque):
+        """Longitudinal acceleration that the drive torque asks for."""
+        return (torque - self.c_x * v_x**2) / self.longitudinal_inertia
+
+    @property
+    def heaviest(self):
+        """No bound takes more than nine tenths of 1/M' away."""
+        return self.mass / max(1 - self.uncertainty.mass, 0.1)
+
+    def critical_speed(self, factors):
+        """Of the heaviest vehicle with its stiffnesses times `factors`, m/s; inf where it does not oversteer.
 
         There the linear single-track model has a real root at 0: M' v^2 (C_f l_f - C_r l_r) =
-        2 C_f C_r L^2. No bound takes more than nine tenths of stiffness or 1/M' away.
+        2 C_f C_r L^2.
         """
-        q = self.uncertainty
-        c_f, c_r = loads[0] * (1 + q.front) * self.c_f, loads[1] * max(1 - q.rear, 0.1) * self.c_r
-        heaviest = self.mass / max(1 - q.mass, 0.1)
-        oversteer = heaviest * (c_f * self.l_f - c_r * self.l_r)
+        c_f, c_r = factors * np.array([self.c_f, self.c_r])
+        oversteer = self.heaviest * (c_f * self.l_f - c_r * self.l_r)
         if oversteer <= 0:
             return np.inf
         return np.sqrt(2 * c_f * c_r * (self.l_f + self.l_r) ** 2 / oversteer)
 
-    def lateral_model(self, v_x, front, rear, draw):
+    def lateral_model(self, v_x, mass, front, rear, draw):
         """A and B of [v_y, r]' = A [v_y, r] + B [delta, measured r], linear tyres (method 6)."""
         c_f, c_r, l_f, l_r = 2 * front * self.c_f, 2 * rear * self.c_r, self.l_f, self.l_r
-        inertia = np.array([self.mass, self.yaw_inertia])
+        inertia = np.array([mass, self.yaw_inertia])
         by_slip = np.array([[c_f, c_r], [l_f * c_f, -l_r * c_r]]) / inertia[:, None]
         slip = np.array([[-1, -l_f], [-1, l_r]]) / v_x  # front, rear by v_y, r
         A = by_slip @ slip + [[0, -v_x], [0, -draw]]
         return A, np.array([[by_slip[0, 0], 0], [by_slip[1, 0], draw]])
 
-    def follow(self, valid, y, delta, jumped):
-        """Reference motions: nominal; front stiff, rear soft; the reverse. By the trapezoidal rule."""
+    def follow(self, valid, y, torque, delta, jumped):
+        """Reference motions, by the trapezoidal rule: nominal; front stiff, rear soft; the reverse.
+
+        The last two are of the heaviest vehicle, with the most axle load transferred, on the least friction.
+        """
         n, t = len(y), self.period
         motions, since, a_x = np.zeros((n, 3, 2)), np.zeros(n, dtype=int), np.zeros(n)
         q = self.uncertainty
         c_f, c_r = [1 - min(q.front, 0.9), 1 + q.front], [1 - min(q.rear, 0.9), 1 + q.rear]
-        factors = [(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])]
+        corners = np.array([(1, 1), (c_f[1], c_r[0]), (c_f[0], c_r[1])])
+        masses = [self.mass, self.heaviest, self.heaviest]
         followed, x, filtered = 0, None, 0.0
         for k in range(n):
             v_x, r = y[k]
@@ -443,28 +480,37 @@ class Reference:
             smoothed = (ACCELERATION_FILTER_S * filtered + t * v_x) / (ACCELERATION_FILTER_S + t)
             a_x[k] = (v_x - filtered) / (ACCELERATION_FILTER_S + t)
             filtered = smoothed
-            # Cornering stiffness goes with axle load, which a_x moves.
-            moved = a_x[k] * self.height / GRAVITY
-            loads = np.maximum([1 - moved / self.l_r, 1 + moved / self.l_f], 0.1)
-            share = np.clip((v_x / self.critical_speed(loads) - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
-            for i, (front, rear) in enumerate(factors):
-                A, B = self.lateral_model(v_x, front * loads[0], rear * loads[1], DRAW_PER_S * share)
+            # Cornering stiffness goes with axle load, which the driver moves: not what a fault slows down.
+            asked = self.asked(v_x, torque[k])
+            driven = np.clip(a_x[k], min(asked, 0), max(asked, 0))
+            transfers = np.array([1, 1 + q.load_transfer, 1 + q.load_transfer]) * driven
+            factors = corners * [self.loads(a) for a in transfers]
+            for i in [1, 2]:
+                forces = corners[i] * self.axle_forces(np.array([v_x, *x[i]]), delta[k])
+                factors[i] *= 1 - self.missing(np.abs(forces) + self.aside(v_x))
+            near = v_x / self.critical_speed(factors[1])
+            draw = DRAW_PER_S * np.clip((near - DRAWN_FROM) / (1 - DRAWN_FROM), 0, 1)
+            for i, stiffness in enumerate(factors):
+                A, B = self.lateral_model(v_x, masses[i], *stiffness, draw)
                 half = t / 2 * A
                 right = (np.eye(2) + half) @ x[i] + t * B @ [delta[k], r]
                 x[i] = np.linalg.solve(np.eye(2) - half, right)
         return Followed(motions, since, a_x)
 
-    def along(self, x, u):
-        """x' that each cause adds which acts where a vehicle that obeys would be: 5 x 3."""
+    def along(self, x, u, a_x, modelled):
+        """x' that each cause adds which acts where a vehicle that obeys would be: 6 x 3.
+
+        `modelled` are the axle forces at which the known transfer of axle load is taken.
+        """
         q = self.uncertainty
-        forces = self.axle_forces(x, u[1])
-        wheelbase = self.l_f + self.l_r
-        holds = q.friction * self.mass * GRAVITY * np.array([self.l_r, self.l_f]) / wheelbase
-        # 1 - tanh(s) / s by the convergent of tanh with s^4 below, which lies above.
-        square = np.square(forces / holds)
-        missing = square * (35 + square) / (105 + 45 * square + square**2)
-        v_x, v_y, r = x
-        slope = self.slope(x, u) - [v_y * r, -v_x * r, 0]  # what forces and torque do
+        at_rest = self.axle_forces(x, u[1])
+        forces = at_rest * self.loads(a_x)
+        aside = self.aside(x[0])
+        missing = (np.abs(at_rest) + aside) * self.missing(np.abs(at_rest) + aside) * self.loads(a_x)
+        # What forces and torque do.
+        drag = np.array([0, self.c_y * x[1] ** 2 / self.mass, 0])
+        slope = [self.asked(x[0], u[0]), 0, 0] + self.by_forces(forces) - drag
+        unknown = q.load_transfer * abs(a_x) + abs(self.asked(x[0], u[0]) - a_x)
 
         def of(front, rear):
             return self.by_forces([front, rear], q.mass, q.yaw_inertia)
@@ -475,18 +521,19 @@ class Reference:
                 q.yaw_inertia * slope * [0, 0, 1],
                 of(q.front * forces[0], 0),
                 of(0, q.rear * forces[1]),
-                of(*(-missing * forces)),
+                of(*-np.where(at_rest > 0, missing, -missing)),
+                self.load_transfer(at_rest - modelled, a_x)
+                + self.load_transfer(at_rest, -unknown if a_x < 0 else unknown),
             ]
         )
 
-    def common(self, x, delta, behind, transfer):
-        """Likewise of each that acts wherever the vehicle is: 8 x 3.
+    def common(self, x, delta, behind, a_x):
+        """Likewise of each that acts wherever the vehicle is: 7 x 3.
 
         `behind` is the angle of the slowest actuator less that of the actuator.
         """
         q = self.uncertainty
-        wheelbase = self.l_f + self.l_r
-        gust = q.gust_coefficient * q.gust_speed * np.hypot(x[0], q.gust_speed)
+        gust, hold, loads = self.gust(x[0]), self.aside(x[0]), self.loads(a_x)
 
         def of(front, rear):
             return self.by_forces([front, rear], q.mass, q.yaw_inertia)
@@ -494,20 +541,18 @@ class Reference:
         def turned(angle):
             return of(2 * self.c_f * angle, 0)
 
-        # Axle forces that hold bank and gust, on levers about the other axle.
-        levers = np.abs([self.l_r + q.gust_ahead, self.l_f - q.gust_ahead])
-        hold = (self.mass * q.bank * np.array([self.l_r, self.l_f]) + gust * levers) / wheelbase
+        # Tyre and load make the stiffness another.
+        other = [q.front, q.rear] * loads + np.abs(loads - 1)
         push = gust * np.array([0, 1 / self.mass, q.gust_ahead / self.yaw_inertia])
         return np.array(
             [
-                q.load_transfer * transfer,
                 [0, q.bank, 0],
                 push * [0, 1 + q.mass, 1 + q.yaw_inertia],
                 turned(behind),
                 turned(q.steering_ratio * delta),
                 turned(q.steering_offset),
-                of(q.front * hold[0], 0),
-                of(0, q.rear * hold[1]),
+                of(other[0] * hold[0], 0),
+                of(0, other[1] * hold[1]),
             ]
         )
 
@@ -549,8 +594,8 @@ class Reference:
         command -= chosen(steering_offset, self.steering_offset)
         u[:, 1] = self.actuator.angles(command, self.period)
         behind = self.slowest.angles(command, self.period) - u[:, 1]
-        stale, jumped = self._compare(valid, y, chosen(stale_after_s, self.stale_after_s))
-        followed = self.follow(valid, y, u[:, 1], jumped)
+        stale, jumped = self._compare(valid, y, command, chosen(stale_after_s, self.stale_after_s))
+        followed = self.follow(valid, y, u[:, 0], u[:, 1], jumped)
         runs = valid & enabled
         observed = self._observe(runs, jumped, y, u, behind, followed, z_0)
         invalid_signal = SPEED + np.argmin(proper, axis=1)
@@ -568,21 +613,28 @@ class Reference:
             chosen(alarm_hold_s, self.alarm_hold_s),
         )
 
-    def _compare(self, valid, y, after_s):
-        """Which samples are stale, and which end that with a jump."""
+    def _compare(self, valid, y, command, after_s):
+        """Which samples are stale, and which end that with a jump or after steering without an answer."""
         n = len(y)
         stale, jumped = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-        unchanged, last = 0, None
+        # An inadmissible command leaves the last one standing.
+        told = np.maximum.accumulate(np.where(np.isnan(command), 0, np.arange(n)))
+        steered = np.append(False, command[told[1:]] != command[told[:-1]])
+        unchanged, last, moved = 0, None, None
         for k in np.flatnonzero(valid):
             if k > 0 and not valid[k - 1]:
-                unchanged = 0
+                unchanged, moved = 0, None
             here = within(y[k, 0], self.bounds[0])
             if last is not None and y[k].tobytes() == last.tobytes():
                 unchanged += 1
+                if moved is None and steered[k]:
+                    moved = k
             else:
                 was_stale = 0 < after_s < unchanged * self.period
-                jumped[k] = here and was_stale and (np.abs(y[k] - last) > self.jumps).any()
-                unchanged = 0
+                unanswered = moved is not None and after_s < (k - moved) * self.period
+                leaps = unanswered or (last is not None and (np.abs(y[k] - last) > self.jumps).any())
+                jumped[k] = here and was_stale and leaps
+                unchanged, moved = 0, None
             stale[k] = here and 0 < after_s < unchanged * self.period
             last = y[k]
         return stale, jumped
@@ -641,11 +693,12 @@ class Reference:
         J = self.jacobian(x)
         # Second-order hold: a slope d over a period leaves T_s d + T_s^2 / 2 J d.
         held = self.M @ (np.eye(3) + self.euler_correction * t / 2 * J)
-        transfer = self.load_transfer(x, u[1], followed.a_x[k])
+        motions = [np.array([y[0], *motion]) for motion in followed.motions[k]]
+        modelled, a_x = self.axle_forces(motions[0], u[1]), followed.a_x[k]
+        transfer = self.load_transfer(modelled, a_x)
         remainder = self.euler_correction * t**2 / 2 * J @ self.slope(x, u)
-        motions = [[y[0], *motion] for motion in followed.motions[k]]
-        along = np.array([self.along(motion, u) for motion in motions])
-        common = self.common(x, u[1], behind, transfer)
+        along = np.array([self.along(motion, u, a_x, modelled) for motion in motions])
+        common = self.common(x, u[1], behind, a_x)
         # The premise is measured too: K = T_s times the columns of J by what is measured (method 5).
         K = t * J @ self.C.T
         error = self.sensed(y[0])
@@ -780,4 +833,4 @@ class Responses:
 
     def __init__(self):
         self.known, self.fault = np.zeros(3), np.zeros(3)
-        self.along, self.common, self.sensed = np.zeros((3, 5, 3)), np.zeros((8, 3)), np.zeros((2, 3))
+        self.along, self.common, self.sensed = np.zeros((3, 6, 3)), np.zeros((7, 3)), np.zeros((2, 3))

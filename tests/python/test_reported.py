@@ -14,7 +14,7 @@ import pytest
 from driving import PERIOD_S, drive, weave
 from fmu import Fmu
 
-MONITORING, OUT_OF_RANGE, INVALID_INPUT, DISABLED = 2, 3, 4, 5
+MONITORING, OUT_OF_RANGE, INVALID_INPUT, DISABLED, STALE_INPUT = 2, 3, 4, 5, 6
 
 
 @pytest.fixture(scope="module")
@@ -107,6 +107,22 @@ def test_stability_control_is_told_by_enabled(plant, default, moment, seconds):
     records, _ = drive(plant, default, 22.0, told=told, **arguments)
     assert not records["alarm"].any()
     assert (records["state"] == DISABLED).sum() * PERIOD_S == pytest.approx(seconds + 1.05, abs=0.02)
+    assert records["state"][-1] == MONITORING
+
+
+@pytest.mark.parametrize("speed", [16.0, 24.0])
+def test_data_that_stood_still_in_a_curve_return_without_an_alarm(plant, default, speed):
+    held = {}
+
+    def told(t, values):
+        if 6 <= t < 7:
+            return values | held
+        held.update({name: values[name] for name in ("v_x", "r")})
+        return values
+
+    records, _ = drive(plant, default, speed, steering=weave(speed, 2.0), told=told)
+    assert (records["state"] == STALE_INPUT).sum() * PERIOD_S == pytest.approx(0.8, abs=0.03)
+    assert not records["alarm"].any()
     assert records["state"][-1] == MONITORING
 
 

@@ -10,7 +10,7 @@ use steerguard_fmu_core::fields::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
@@ -21,6 +21,8 @@ pub struct BakedDesign {
     pub hash: [u8; HASH_LENGTH],
     /// Whether those figures are proven.
     pub certified: bool,
+    /// Whether the design misses its smallest fault of interest straight ahead.
+    pub blind: bool,
     /// Fault sensitivity that the design reports.
     pub beta: f64,
     /// Disturbance gain that the design reports.
@@ -110,6 +112,7 @@ impl BakedDesign {
         archive.require(magic == MAGIC && version == VERSION);
         archive.bytes(&mut self.hash);
         archive.flag(&mut self.certified);
+        archive.flag(&mut self.blind);
 
         let Configuration {
             model,
@@ -169,6 +172,7 @@ impl BakedDesign {
     const EMPTY: Self = Self {
         hash: [0; HASH_LENGTH],
         certified: false,
+        blind: false,
         beta: 0.0,
         gamma: 0.0,
         gap: 0.0,

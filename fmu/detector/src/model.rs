@@ -276,6 +276,7 @@ impl Model for DetectorModel {
             }
             V::DesignSamplePeriod => configuration.model.sampling_period_s,
             V::DesignCertified => return Value::Boolean(self.design.certified),
+            V::DesignBlind => return Value::Boolean(self.design.blind),
             V::DesignBeta => self.design.beta,
             V::DesignGamma => self.design.gamma,
             V::DesignGap => self.design.gap,
@@ -382,6 +383,7 @@ impl Model for DetectorModel {
             | V::DesignHash
             | V::DesignSamplePeriod
             | V::DesignCertified
+            | V::DesignBlind
             | V::DesignBeta
             | V::DesignGamma
             | V::DesignGap
@@ -504,6 +506,7 @@ fn archive_state(
         filtered_v_x_m_per_s,
         last,
         unchanged,
+        unanswered,
         exceedances,
         clear,
         output,
@@ -540,7 +543,7 @@ fn archive_state(
     archive.real(filtered_v_x_m_per_s);
     archive.real(&mut last.v_x_m_per_s);
     archive.real(&mut last.r_rad_per_s);
-    for count in [followed, unchanged, exceedances, clear] {
+    for count in [followed, unchanged, unanswered, exceedances, clear] {
         archive.u32(count);
     }
     if second {

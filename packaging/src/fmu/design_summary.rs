@@ -332,6 +332,7 @@ pub fn baked(design: &Design) -> Result<BakedDesign, String> {
     Ok(BakedDesign {
         hash: design.hash.as_bytes().try_into().map_err(|_| design.hash.clone())?,
         certified: certified.is_some(),
+        blind: design.synthesis.status == DesignStatus::Blind,
         beta: certified.map_or(0.0, |x| x.beta),
         gamma: certified.map_or(0.0, |x| x.gamma),
         gap: certified.map_or(0.0, |x| x.gap),

@@ -191,7 +191,6 @@ fn number(value: f64) -> String {
 }
 
 fn summary(design: &BakedDesign, record: &Record) -> String {
-    let blind = record.sight.as_ref().is_some_and(|sight| sight.blind.is_some());
     let configuration = &design.configuration;
     let (model, evaluation) = (&configuration.model, &configuration.evaluation);
     let interval = |i: Interval, unit: &str| format!("{} to {} {unit}", i.min, i.max);
@@ -205,7 +204,7 @@ fn summary(design: &BakedDesign, record: &Record) -> String {
                 false => "NOT CERTIFIED: there is no proof of what these gains are worth",
             }
             .to_owned()
-                + if blind {
+                + if design.blind {
                     "; BLIND: its drives miss the smallest fault of interest"
                 } else {
                     ""

@@ -14,7 +14,9 @@ pub fn rows(sight: &Sight) -> Vec<Vec<String>> {
     let head = head.chain(sizes.iter().map(|fault| format!("{} deg", fault.fault_deg)));
     let row = |course: &CourseSight| {
         let CourseSight { v_x_m_per_s, lateral_acceleration_m_per_s2, .. } = course;
-        let from = course.seen_from_deg.map_or("-".into(), |deg| format!("{deg:.2}"));
+        // Rounded up: what is said to be seen is.
+        let from = course.seen_from_deg.map(|deg| (100.0 * deg).ceil() / 100.0);
+        let from = from.map_or("-".into(), |deg| format!("{deg:.2}"));
         let speed = [v_x_m_per_s, lateral_acceleration_m_per_s2].map(|x| format!("{x:.1}"));
         speed.into_iter().chain([from]).chain(course.faults.iter().map(cell)).collect()
     };

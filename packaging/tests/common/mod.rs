@@ -20,6 +20,7 @@ pub fn design() -> BakedDesign {
     BakedDesign {
         hash: *b"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef",
         certified: true,
+        blind: false,
         beta: 0.3,
         gamma: 0.01,
         gap: 30.0,

@@ -24,8 +24,8 @@ typedef enum {
 } ValueReference;
 /* Causes, in the order of the detector's: along the reference motions, wherever the vehicle is, and on the
  * measurement. */
-enum { MASS, YAW_INERTIA, FRONT_STIFFNESS, REAR_STIFFNESS, FRICTION, ALONG };
-enum { LOAD_TRANSFER, BANK, GUST, RATIO, OFFSET, FRONT_SIDE_FORCE, REAR_SIDE_FORCE, COMMON };
+enum { MASS, YAW_INERTIA, FRONT_STIFFNESS, REAR_STIFFNESS, FRICTION, LOAD_TRANSFER, ALONG };
+enum { BANK, GUST, RATIO, OFFSET, FRONT_SIDE_FORCE, REAR_SIDE_FORCE, COMMON };
 enum { BIAS, SCALE, SENSED };
 enum { MOTIONS = 3 };
 
@@ -65,7 +65,7 @@ typedef struct {
     Configuration c;
     /* Constants of the sample path. */
     double b[3][2], g_phi, drag, cross, damping, slow, fast, half_square;
-    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical, factor[MOTIONS][2];
+    double lighter, easier, wheelbase, front_holds, rear_holds, front_lever, rear_lever, critical, factor[MOTIONS][2], lightness[MOTIONS];
     int along[ALONG], common[COMMON], sensed[SENSED], any, any_along, transfers;
     size_t motions;
     /* Inputs, states, outputs. */
@@ -82,32 +82,74 @@ typedef struct {
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* With stiffnesses of so many times those of the configuration. */
-static void motion_load(Motion *m, const Configuration *c, double front, double rear) {
+/* 1 - tanh(x) / x by a continued fraction. */
+static double deficit(double x) {
+    const double square = x * x;
+    const double fraction = square / (3.0 + square / (5.0 + square / 7.0));
+    return fraction / (1.0 + fraction);
+}
+
+/* Side force of the gust. */
+static double gust_force(const Configuration *c, double v_x) {
+    const double wind = c->q.gust_speed;
+    return c->q.gust_coefficient * wind * sqrt(v_x * v_x + wind * wind);
+}
+
+/* What the axles hold against bank and gust. */
+static void hold_aside(const Instance *s, double v_x, double aside[2]) {
+    const Configuration *c = &s->c;
+    const double gust = gust_force(c, v_x), bank = c->mass * c->q.bank;
+    aside[0] = (bank * c->l_r + gust * s->front_lever) / s->wheelbase;
+    aside[1] = (bank * c->l_f + gust * s->rear_lever) / s->wheelbase;
+}
+
+/* Axle loads over the static ones. */
+static void load_factors(const Configuration *c, double a_x, double loads[2]) {
+    const double moved = a_x * c->height / GRAVITY;
+    loads[0] = larger(1.0 - moved / c->l_r, 0.1);
+    loads[1] = larger(1.0 + moved / c->l_f, 0.1);
+}
+
+/* What axle forces at the static loads gain and lose: lateral and yaw acceleration. */
+static void transfer_load(const Configuration *c, const double force[2], double a_x, double transfer[2]) {
+    const double share = a_x * c->height / GRAVITY;
+    const double front = -force[0] * share / c->l_r, rear = force[1] * share / c->l_f;
+    transfer[0] = (front + rear) / c->mass;
+    transfer[1] = (c->l_f * front - c->l_r * rear) / c->yaw_inertia;
+}
+
+/* Axle forces of linear tyres at the static loads. */
+static void axle_forces(const Configuration *c, double v_x, double v_y, double r, double delta, double force[2]) {
+    force[0] = 2.0 * c->c_f * (delta - (v_y + c->l_f * r) / v_x);
+    force[1] = 2.0 * c->c_r * ((c->l_r * r - v_y) / v_x);
+}
+
+/* With stiffnesses of so many times those of the configuration and the mass divided by a number. */
+static void motion_load(Motion *m, const Configuration *c, double front, double rear, double lightness) {
+    const double mass = c->mass / lightness;
     const double c_f = 2.0 * front * c->c_f, c_r = 2.0 * rear * c->c_r;
     const double moment = c_r * c->l_r - c_f * c->l_f;
-    m->lateral[0] = -(c_f + c_r) / c->mass;
-    m->lateral[1] = moment / c->mass;
-    m->lateral[2] = c_f / c->mass;
+    m->lateral[0] = -(c_f + c_r) / mass;
+    m->lateral[1] = moment / mass;
+    m->lateral[2] = c_f / mass;
     m->yaw[0] = moment / c->yaw_inertia;
     m->yaw[1] = -(c_f * c->l_f * c->l_f + c_r * c->l_r * c->l_r) / c->yaw_inertia;
     m->yaw[2] = c->l_f * c_f / c->yaw_inertia;
 }
 
 /* Critical speed with stiffnesses of so many times; infinite where it does not oversteer. */
-static double critical_speed(const Configuration *c, double front, double rear) {
+static double critical_speed(const Configuration *c, double front, double rear, double lightness) {
     const double c_f = front * c->c_f, c_r = rear * c->c_r;
     const double oversteer = c_f * c->l_f - c_r * c->l_r, wheelbase = c->l_f + c->l_r;
-    const double lightness = larger(1.0 - c->q.mass, 0.1);
     if (!(oversteer > 0.0)) return INFINITY;
     return sqrt(2.0 * c_f * c_r * wheelbase * wheelbase * lightness / (c->mass * oversteer));
 }
 
-/* Cornering stiffness goes with axle load: the motions and the critical speed of the worst vehicle with it. */
-static void load_motions(Instance *s, double front, double rear) {
+/* Motions and critical speed of the worst vehicle, with stiffnesses of so many times. */
+static void load_motions(Instance *s, double factor[MOTIONS][2]) {
     const Configuration *c = &s->c;
-    for (int i = 0; i < MOTIONS; i++) motion_load(&s->motion[i], c, s->factor[i][0] * front, s->factor[i][1] * rear);
-    s->critical = critical_speed(c, s->factor[1][0] * front, s->factor[1][1] * rear);
+    for (int i = 0; i < MOTIONS; i++) motion_load(&s->motion[i], c, factor[i][0], factor[i][1], s->lightness[i]);
+    s->critical = critical_speed(c, factor[1][0], factor[1][1], s->lightness[1]);
 }
 
 Instance *detector_new(const Configuration *c) {
@@ -140,8 +182,11 @@ Instance *detector_new(const Configuration *c) {
     s->factor[1][1] = larger(1.0 - c->q.rear, 0.1);
     s->factor[2][0] = larger(1.0 - c->q.front, 0.1);
     s->factor[2][1] = 1.0 + c->q.rear;
-    load_motions(s, 1.0, 1.0);
-    s->motions = c->q.front > 0.0 || c->q.rear > 0.0 ? MOTIONS : 1;
+    s->lightness[0] = 1.0;
+    s->lightness[1] = s->lightness[2] = larger(1.0 - c->q.mass, 0.1);
+    load_motions(s, s->factor);
+    const double uncertain = larger(larger(c->q.front, c->q.rear), larger(c->q.mass, c->q.load_transfer));
+    s->motions = uncertain > 0.0 || c->q.friction > 0.0 ? MOTIONS : 1;
     s->transfers = c->height > 0.0;
 
     if (c->share > 0.0) {
@@ -152,13 +197,13 @@ Instance *detector_new(const Configuration *c) {
         s->along[FRONT_STIFFNESS] = c->q.front > 0.0;
         s->along[REAR_STIFFNESS] = c->q.rear > 0.0;
         s->along[FRICTION] = c->q.friction > 0.0;
-        s->common[LOAD_TRANSFER] = c->q.load_transfer > 0.0 && s->transfers;
+        s->along[LOAD_TRANSFER] = s->transfers;
         s->common[BANK] = c->q.bank > 0.0;
         s->common[GUST] = gust;
         s->common[RATIO] = c->q.ratio > 0.0;
         s->common[OFFSET] = c->q.offset > 0.0;
-        s->common[FRONT_SIDE_FORCE] = side_force && c->q.front > 0.0;
-        s->common[REAR_SIDE_FORCE] = side_force && c->q.rear > 0.0;
+        s->common[FRONT_SIDE_FORCE] = side_force && (c->q.front > 0.0 || s->transfers);
+        s->common[REAR_SIDE_FORCE] = side_force && (c->q.rear > 0.0 || s->transfers);
         s->sensed[BIAS] = c->q.bias > 0.0;
         s->sensed[SCALE] = c->q.scale > 0.0;
     }
@@ -223,13 +268,6 @@ static void respond_to_forces(const Instance *s, double n[3][3], double held[3][
     respond_to(s, n, held, e, 0.0, y, z);
 }
 
-/* 1 - tanh(x) / x by a continued fraction. */
-static double deficit(double x) {
-    const double square = x * x;
-    const double fraction = square / (3.0 + square / (5.0 + square / 7.0));
-    return fraction / (1.0 + fraction);
-}
-
 /* What the measurement's error of a cause adds to [v_x, r]. */
 static void error_of(const Configuration *c, int cause, double v_x, double error[2]) {
     error[0] = cause == SCALE ? c->q.scale * v_x : 0.0;
@@ -267,7 +305,8 @@ static double bound(const Instance *s, double v_x) {
 }
 
 /* Responses to what is known, to what is uncertain and to the smallest fault: method 6. */
-static void advance_responses(Instance *s, double n[3][3], double l[3][2], double v_x, double v_y, double r, double delta, double a_x) {
+static void advance_responses(Instance *s, double n[3][3], double l[3][2], double v_x, double v_y, double r, double delta, double a_x, double asked,
+                              const double aside[2]) {
     const Configuration *c = &s->c;
     const double t_eng = s->u[0], period = c->period;
     /* Jacobian of (3). */
@@ -291,20 +330,15 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
     }
     respond(n, held, s->fault, c->smallest_fault);
 
-    const double front = 2.0 * c->c_f * (delta - (v_y + c->l_f * r) / v_x);
-    const double rear = 2.0 * c->c_r * ((c->l_r * r - v_y) / v_x);
-    double transfer[2] = {0.0, 0.0};
-    if (s->transfers) {
-        const double share = a_x * c->height / GRAVITY;
-        const double front_gains = -front * share / c->l_r, rear_gains = rear * share / c->l_f;
-        transfer[0] = (front_gains + rear_gains) / c->mass;
-        transfer[1] = (c->l_f * front_gains - c->l_r * rear_gains) / c->yaw_inertia;
-    }
+    double force[2], modelled[2], transfer[2] = {0.0, 0.0};
+    axle_forces(c, v_x, v_y, r, delta, force);
+    axle_forces(c, v_x, s->motion[0].x[0], s->motion[0].x[1], delta, modelled);
+    if (s->transfers) transfer_load(c, modelled, a_x, transfer);
     if (c->euler_correction) {
         const double slope[3] = {
             (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia + v_y * r,
-            (front + rear - c->c_y * v_y * v_y) / c->mass - v_x * r,
-            (c->l_f * front - c->l_r * rear) / c->yaw_inertia,
+            (force[0] + force[1] - c->c_y * v_y * v_y) / c->mass - v_x * r,
+            (c->l_f * force[0] - c->l_r * force[1]) / c->yaw_inertia,
         };
         const double w[3] = {0.0, period * transfer[0], period * transfer[1]};
         double remainder[3];
@@ -318,37 +352,48 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
     }
     if (!s->any) return;
 
-    const double longitudinal = (t_eng - c->c_x * v_x * v_x) / c->longitudinal_inertia;
+    double loads[2];
+    load_factors(c, a_x, loads);
+    const double unknown = c->q.load_transfer * fabs(a_x) + fabs(asked - a_x), along_it = a_x < 0.0 ? -unknown : unknown;
     for (size_t i = 0; s->any_along && i < s->motions; i++) {
         const double *x = s->motion[i].x;
         double(*e)[3] = s->of_along[i];
-        const double f = 2.0 * c->c_f * (delta - (x[0] + c->l_f * x[1]) / v_x);
-        const double b = 2.0 * c->c_r * ((c->l_r * x[1] - x[0]) / v_x);
+        double at_rest[2];
+        axle_forces(c, v_x, x[0], x[1], delta, at_rest);
+        const double f = at_rest[0] * loads[0], b = at_rest[1] * loads[1];
         if (s->along[MASS])
-            respond_to(s, n, held, e[MASS], c->q.mass * longitudinal, c->q.mass * (f + b - c->c_y * x[0] * x[0]) / c->mass, 0.0);
+            respond_to(s, n, held, e[MASS], c->q.mass * asked, c->q.mass * (f + b - c->c_y * x[0] * x[0]) / c->mass, 0.0);
         if (s->along[YAW_INERTIA])
             respond_to(s, n, held, e[YAW_INERTIA], 0.0, 0.0, c->q.yaw_inertia * (c->l_f * f - c->l_r * b) / c->yaw_inertia);
         if (s->along[FRONT_STIFFNESS]) respond_to_forces(s, n, held, e[FRONT_STIFFNESS], c->q.front * f, 0.0);
         if (s->along[REAR_STIFFNESS]) respond_to_forces(s, n, held, e[REAR_STIFFNESS], 0.0, c->q.rear * b);
-        if (s->along[FRICTION])
-            respond_to_forces(s, n, held, e[FRICTION], -f * deficit(f / s->front_holds), -b * deficit(b / s->rear_holds));
+        if (s->along[FRICTION]) {
+            const double front = fabs(at_rest[0]) + aside[0], rear = fabs(at_rest[1]) + aside[1];
+            const double front_missing = front * deficit(front / s->front_holds);
+            const double rear_missing = rear * deficit(rear / s->rear_holds);
+            respond_to_forces(s, n, held, e[FRICTION], -(loads[0] * (at_rest[0] > 0.0 ? front_missing : -front_missing)),
+                              -(loads[1] * (at_rest[1] > 0.0 ? rear_missing : -rear_missing)));
+        }
+        if (s->along[LOAD_TRANSFER]) {
+            const double elsewhere[2] = {at_rest[0] - modelled[0], at_rest[1] - modelled[1]};
+            double there[2], more[2];
+            transfer_load(c, elsewhere, a_x, there);
+            transfer_load(c, at_rest, along_it, more);
+            respond_to(s, n, held, e[LOAD_TRANSFER], 0.0, there[0] + more[0], there[1] + more[1]);
+        }
     }
 
     double(*e)[3] = s->of_common;
-    const double wind = c->q.gust_speed;
-    const double gust = c->q.gust_coefficient * wind * sqrt(v_x * v_x + wind * wind);
-    const double bank = c->mass * c->q.bank, by_steering = 2.0 * c->c_f;
-    if (s->common[LOAD_TRANSFER])
-        respond_to(s, n, held, e[LOAD_TRANSFER], 0.0, c->q.load_transfer * transfer[0], c->q.load_transfer * transfer[1]);
+    const double gust = gust_force(c, v_x), by_steering = 2.0 * c->c_f;
     if (s->common[BANK]) respond_to(s, n, held, e[BANK], 0.0, c->q.bank, 0.0);
     if (s->common[GUST])
         respond_to(s, n, held, e[GUST], 0.0, s->lighter * gust / c->mass, s->easier * c->q.gust_ahead * gust / c->yaw_inertia);
     if (s->common[RATIO]) respond_to_forces(s, n, held, e[RATIO], by_steering * (c->q.ratio * delta), 0.0);
     if (s->common[OFFSET]) respond_to_forces(s, n, held, e[OFFSET], by_steering * c->q.offset, 0.0);
     if (s->common[FRONT_SIDE_FORCE])
-        respond_to_forces(s, n, held, e[FRONT_SIDE_FORCE], c->q.front * ((bank * c->l_r + gust * s->front_lever) / s->wheelbase), 0.0);
+        respond_to_forces(s, n, held, e[FRONT_SIDE_FORCE], (c->q.front * loads[0] + fabs(loads[0] - 1.0)) * aside[0], 0.0);
     if (s->common[REAR_SIDE_FORCE])
-        respond_to_forces(s, n, held, e[REAR_SIDE_FORCE], 0.0, c->q.rear * ((bank * c->l_f + gust * s->rear_lever) / s->wheelbase));
+        respond_to_forces(s, n, held, e[REAR_SIDE_FORCE], 0.0, (c->q.rear * loads[1] + fabs(loads[1] - 1.0)) * aside[1]);
 
     for (int k = 0; k < SENSED; k++) {
         if (!s->sensed[k]) continue;
@@ -365,11 +410,24 @@ static void advance_responses(Instance *s, double n[3][3], double l[3][2], doubl
 }
 
 /* Takes the reference motions on by the trapezoidal rule. */
-static void advance_motions(Instance *s, double v_x, double r, double a_x, double delta) {
-    const double half = 0.5 * s->c.period;
-    if (s->transfers) {
-        const double moved = a_x * s->c.height / GRAVITY;
-        load_motions(s, larger(1.0 - moved / s->c.l_r, 0.1), larger(1.0 + moved / s->c.l_f, 0.1));
+static void advance_motions(Instance *s, double v_x, double r, double driven, double delta, const double aside[2]) {
+    const Configuration *c = &s->c;
+    const double half = 0.5 * c->period;
+    if (s->transfers || c->q.friction > 0.0) {
+        double factor[MOTIONS][2];
+        for (int i = 0; i < MOTIONS; i++) {
+            double loads[2], force[2];
+            load_factors(c, (i == 0 ? 1.0 : 1.0 + c->q.load_transfer) * driven, loads);
+            axle_forces(c, v_x, s->motion[i].x[0], s->motion[i].x[1], delta, force);
+            const double holds[2] = {s->front_holds, s->rear_holds};
+            for (int k = 0; k < 2; k++) {
+                factor[i][k] = s->factor[i][k];
+                if (i > 0 && c->q.friction > 0.0)
+                    factor[i][k] *= 1.0 - deficit((fabs(factor[i][k] * force[k]) + aside[k]) / holds[k]);
+                factor[i][k] *= loads[k];
+            }
+        }
+        load_motions(s, factor);
     }
     const double share = (v_x / s->critical - DRAWN_FROM) / (1.0 - DRAWN_FROM);
     const double draw = DRAW * smaller(larger(share, 0.0), 1.0);
@@ -440,8 +498,12 @@ static void run_sample(Instance *s) {
         const double most = bound(s, v_x);
         uncertain = push(&s->uncertain, most * most, c->window);
     }
-    advance_responses(s, n, l, v_x, v_y, r, delta, a_x);
-    advance_motions(s, v_x, r, a_x, delta);
+    const double asked = (s->u[0] - c->c_x * v_x * v_x) / c->longitudinal_inertia;
+    double aside[2];
+    hold_aside(s, v_x, aside);
+    const double driven = asked > 0.0 ? larger(smaller(a_x, asked), 0.0) : smaller(larger(a_x, asked), 0.0);
+    advance_responses(s, n, l, v_x, v_y, r, delta, a_x, asked, aside);
+    advance_motions(s, v_x, r, driven, delta, aside);
     s->j_rms = push(&s->j, square(c, s->residual[0], s->residual[1]), c->window);
 
     /* Threshold with its start-up term. */

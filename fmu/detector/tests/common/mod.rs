@@ -60,6 +60,7 @@ pub fn design() -> BakedDesign {
     BakedDesign {
         hash: *b"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef",
         certified: true,
+        blind: false,
         beta: 0.35,
         gamma: 0.003,
         gap: 9.5,

@@ -137,6 +137,9 @@ impl Trials {
             fs::write(folder.join("spec.toml"), &text)?;
             let start = Instant::now();
             let designed = self.run(folder, &["design", "spec.toml"])?;
+            if designed.status.code().is_none() {
+                return Err(format!("design: {}", designed.status).into());
+            }
             fs::write(folder.join("seconds"), start.elapsed().as_secs_f64().to_string())?;
             fs::write(folder.join("said"), designed.stderr)?;
             if folder.join("design.json").is_file() {
