@@ -50,10 +50,10 @@ impl SecondLevels {
         progress: &mut dyn FnMut(Step),
     ) -> Result<Self, ConfigurationError> {
         progress(Step::Worst);
-        let stated = Family::of(spec).into_iter().filter(|family| family.is_stated());
-        // The last one extends the others.
+        // The last one that is stated extends the others.
+        let last = Family::of(spec).into_iter().rfind(|family| family.is_stated());
         let mut families = vec![Family::AnyCourse];
-        families.extend(stated.last().filter(|last| *last != Family::AnyCourse));
+        families.extend(last.filter(|last| *last != Family::AnyCourse));
         let search = Search { objective: Objective::Second, budget: BUDGET, seed: SEED };
         let found = worst(spec, configuration, &families, search, &|_| ())?;
         let statistic = |ratio: f64| UNREACHED * ratio;

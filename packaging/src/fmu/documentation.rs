@@ -58,7 +58,7 @@ was designed for, <code>actuator.*</code> those of its <code>design.actuator.*</
 /// What the page of `SteeringFaultDetector.fmu` says of it, of the design inside and of what is on
 /// record of that.
 pub fn detector(design: &BakedDesign, record: &Record) -> String {
-    let about_design = summary(design, record);
+    let about_design = summary(design);
     let threshold = threshold(&record.causes, &design.configuration);
     let sight = record.sight.as_ref().map_or(String::new(), what_it_sees);
     let second = second(design.configuration.estimator.as_ref(), &record.second);
@@ -190,7 +190,7 @@ fn number(value: f64) -> String {
     }
 }
 
-fn summary(design: &BakedDesign, record: &Record) -> String {
+fn summary(design: &BakedDesign) -> String {
     let configuration = &design.configuration;
     let (model, evaluation) = (&configuration.model, &configuration.evaluation);
     let interval = |i: Interval, unit: &str| format!("{} to {} {unit}", i.min, i.max);
