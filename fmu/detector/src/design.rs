@@ -61,7 +61,7 @@ impl core::error::Error for DesignError {}
 
 impl BakedDesign {
     /// Length of an encoded design, bytes.
-    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 5;
+    pub const LENGTH: usize = 4 + 4 + HASH_LENGTH + 8 * NUMBERS + 4 + 6;
 
     /// The design as payload for [`steerguard_fmu_core::seal`].
     ///
