@@ -41,3 +41,8 @@ pub(crate) fn blend<const I: usize, const R: usize, const K: usize>(
 pub(crate) fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|x| x.is_finite())
 }
+
+/// `|x|`.
+pub(crate) fn magnitude(x: f64) -> f64 {
+    x.max(-x)
+}

@@ -12,7 +12,8 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::algebra::{product, sum};
+use crate::algebra::{magnitude, product, sum};
+use crate::axles::{Loading, deficit};
 use crate::reference::{MOTIONS, ReferenceMotion, References};
 use crate::{Actuator, Evaluation, Input, Observer, Rms, StateVector, Vehicle, VehicleState};
 
@@ -91,26 +92,6 @@ pub struct Place {
     pub loading: Loading,
     /// Reference motions, where what is uncertain of the vehicle acts.
     pub motions: [ReferenceMotion; MOTIONS],
-}
-
-/// What loads the axles at a sample, beside the static loads and the forces that steering asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Loading {
-    /// Longitudinal acceleration as measured, m/s^2.
-    pub a_x_m_per_s2: f64,
-    /// That which the drive torque asks for, m/s^2.
-    pub asked_m_per_s2: f64,
-    /// Lateral forces of the axles, front and rear, that bank and gust ask for at their bounds, N.
-    pub aside_n: [f64; 2],
-}
-
-impl Loading {
-    /// Of the measured acceleration what the drive torque asks for, m/s^2: nothing of what a fault does to
-    /// the speed is in it.
-    pub(crate) fn driven_m_per_s2(&self) -> f64 {
-        let Self { a_x_m_per_s2: a_x, asked_m_per_s2: asked, .. } = *self;
-        if asked > 0.0 { a_x.min(asked).max(0.0) } else { a_x.max(asked).min(0.0) }
-    }
 }
 
 /// The uncertainties by name.
@@ -367,18 +348,6 @@ impl Uncertainty {
     fn sensed(&self, v_x: f64) -> [[f64; 2]; SENSED] {
         [[0.0, self.yaw_rate_bias_rad_per_s], [self.v_x_scale * v_x, 0.0]]
     }
-}
-
-/// `1 - tanh(x) / x`, the share of a linear tyre's force that is missing where it asks for x times what
-/// friction holds; from above, by a continued fraction: by at most 0.7 % of the force for |x| below 3.
-pub(crate) fn deficit(x: f64) -> f64 {
-    let square = x * x;
-    let fraction = square / (3.0 + square / (5.0 + square / 7.0));
-    fraction / (1.0 + fraction)
-}
-
-pub(crate) fn magnitude(x: f64) -> f64 {
-    x.max(-x)
 }
 
 /// What the detector is told of deviations.

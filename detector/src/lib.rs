@@ -21,6 +21,7 @@
 
 mod actuator;
 mod algebra;
+mod axles;
 mod configuration;
 mod detector;
 mod deviation;
@@ -35,12 +36,13 @@ mod ts_model;
 mod vehicle;
 
 pub use actuator::{Actuator, ActuatorState, MAX_DELAY_SAMPLES};
+pub use axles::Loading;
 pub use configuration::{Configuration, ConfigurationError};
 pub use detector::{
     AlarmCause, Detector, Initialisation, LARGEST_ESTIMATE, Monitor, Output, State, StateCause,
     StateError,
 };
-pub use deviation::{CAUSES, Cause, Deviations, Gust, Loading, Place, Responses, Uncertainty};
+pub use deviation::{CAUSES, Cause, Deviations, Gust, Place, Responses, Uncertainty};
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use observer::{Gains, Observer};
 pub use range::{Interval, OperatingRange};

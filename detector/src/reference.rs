@@ -17,8 +17,9 @@
 //!   critical speed of the worst vehicle stated not at all, at that speed by [`DRAW_PER_S`].
 //! - Integrated by the trapezoidal rule, which no sampling period makes unstable.
 
-use crate::deviation::{deficit, magnitude};
-use crate::{Loading, Measurement, Vehicle, VehicleState};
+use crate::algebra::magnitude;
+use crate::axles::{Loading, deficit};
+use crate::{Measurement, Vehicle, VehicleState};
 
 /// Number of reference motions.
 pub const MOTIONS: usize = 3;
