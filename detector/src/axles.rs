@@ -7,6 +7,8 @@ pub struct Loading {
     pub a_x_m_per_s2: f64,
     /// That which the drive torque asks for, m/s^2.
     pub asked_m_per_s2: f64,
+    /// Axle loads, front and rear, at the measured acceleration over those at rest.
+    pub factors: [f64; 2],
     /// Lateral forces of the axles, front and rear, that bank and gust ask for at their bounds, N.
     pub aside_n: [f64; 2],
 }

@@ -185,7 +185,7 @@ impl Uncertainty {
             vehicle,
             stiffnesses,
             [self.mass, self.load_transfer],
-            self.friction,
+            self.held_n(vehicle),
             period_s,
         )
     }
@@ -197,6 +197,13 @@ impl Uncertainty {
             delay_s: actuator.delay_s + self.actuator_delay_s,
             ..*actuator
         }
+    }
+
+    /// Axle forces in N, front and rear, that the least friction holds at the static loads; none for tyres
+    /// without end.
+    fn held_n(&self, vehicle: &Vehicle) -> Option<[f64; 2]> {
+        let friction = self.friction?;
+        Some(vehicle.axle_loads_n(0.0).map(|load| friction * load))
     }
 
     /// Whether bank or gust push the vehicle aside.
@@ -217,6 +224,7 @@ impl Uncertainty {
         Loading {
             a_x_m_per_s2,
             asked_m_per_s2: asked / vehicle.effective_longitudinal_inertia_kg_m,
+            factors: vehicle.load_factors(a_x_m_per_s2),
             aside_n: self.aside_n(vehicle, v_x),
         }
     }
@@ -257,29 +265,28 @@ impl Uncertainty {
     }
 
     /// What each cause that acts along a motion adds to x', at `x` of that motion; `modelled` are the axle
-    /// forces in N at which the known transfer of axle load is taken.
+    /// forces in N at which the known transfer of axle load is taken, `held_n` those that friction holds.
     fn along(
         &self,
         vehicle: &Vehicle,
         place: &Place,
         x: VehicleState,
         modelled: [f64; 2],
+        held_n: Option<[f64; 2]>,
     ) -> [StateVector; ALONG] {
-        let Place { u, loading: Loading { a_x_m_per_s2: a_x, asked_m_per_s2, aside_n }, .. } =
-            *place;
+        let Place { u, loading, .. } = *place;
+        let Loading { a_x_m_per_s2: a_x, asked_m_per_s2, factors: loads, aside_n } = loading;
         let [_, v_y, _] = x.vector();
         let (m, i_z) = (vehicle.mass_kg, vehicle.yaw_inertia_kg_m2);
         let (l_f, l_r) = (vehicle.front_axle_distance_m, vehicle.rear_axle_distance_m);
         let at_rest = vehicle.axle_forces(x, u.delta_rad);
-        let loads = vehicle.load_factors(a_x);
         let [front, rear] = [at_rest[0] * loads[0], at_rest[1] * loads[1]];
-        let [front_held, rear_held] = vehicle.axle_loads_n(0.0);
         let drag = vehicle.lateral_drag_n_s2_per_m2 * v_y * v_y;
-        let saturated = self.friction.map_or([0.0; 3], |friction| {
+        let saturated = held_n.map_or([0.0; 3], |[front_held, rear_held]| {
             // Force and load go together: the share that is missing is that at rest.
             let missing = |at_rest: f64, aside: f64, held: f64| {
                 let most = magnitude(at_rest) + aside;
-                let missing = most * deficit(most / (friction * held));
+                let missing = most * deficit(most / held);
                 if at_rest > 0.0 { missing } else { -missing }
             };
             let of_front = loads[0] * missing(at_rest[0], aside_n[0], front_held);
@@ -332,7 +339,7 @@ impl Uncertainty {
         let [front, rear] = place.loading.aside_n;
         // By as much the stiffness may be another, load and tyre together.
         let other = |tyre: f64, load: f64| tyre * load + magnitude(load - 1.0);
-        let loads = vehicle.load_factors(place.loading.a_x_m_per_s2);
+        let loads = place.loading.factors;
         [
             [0.0, self.bank_m_per_s2, 0.0],
             of_gust,
@@ -384,6 +391,8 @@ pub(crate) struct Standing {
     transfers: bool,
     /// Whether something asks for the model's Jacobian.
     curves: bool,
+    /// What the least friction holds of the axles at rest, N; none for tyres without end.
+    held_n: Option<[f64; 2]>,
 }
 
 impl Standing {
@@ -404,6 +413,7 @@ impl Standing {
             transfers: vehicle.centre_of_gravity_height_m > 0.0,
             curves: deviations.euler_correction
                 || acting.iter().skip(ALONG + COMMON).any(|&acts| acts),
+            held_n: deviations.uncertainty.held_n(vehicle),
         }
     }
 
@@ -563,7 +573,7 @@ impl Responses {
             let motions = self.along.iter_mut().zip(place.motions).take(standing.motions);
             for (responses, motion) in motions {
                 let x = motion.at(x.v_x_m_per_s);
-                let slopes = uncertainty.along(vehicle, place, x, modelled);
+                let slopes = uncertainty.along(vehicle, place, x, modelled, standing.held_n);
                 for ((e, slope), acts) in responses.iter_mut().zip(slopes).zip(standing.acting(0)) {
                     if *acts {
                         *e = respond(*e, slope);

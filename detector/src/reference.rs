@@ -82,9 +82,9 @@ pub(crate) struct References {
     lightness: f64,
     /// How many times the known transfer of axle load they have at most.
     transfer: f64,
-    /// Smallest friction between tyre and road that the others than the first motion have; none for tyres
-    /// without end.
-    friction: Option<f64>,
+    /// Axle forces that friction holds at the static loads, N, of all but the first; none for tyres without
+    /// end.
+    held_n: Option<[f64; 2]>,
     /// The first of the motions differ.
     pub(crate) distinct: usize,
     /// On tyres without end, at the static axle loads.
@@ -117,12 +117,12 @@ impl Stiffnesses {
 
 impl References {
     /// Those of a vehicle with relative uncertainties of its front and rear stiffness, of its mass and of the
-    /// transfer of axle load, on tyres with as little friction.
+    /// transfer of axle load, on tyres of which friction holds so much, in N at the static axle loads.
     pub(crate) fn new(
         vehicle: &Vehicle,
         [c_f, c_r]: [f64; 2],
         [mass, load_transfer]: [f64; 2],
-        friction: Option<f64>,
+        held_n: Option<[f64; 2]>,
         period_s: f64,
     ) -> Self {
         let softest = |c: f64| (1.0 - c).max(0.1);
@@ -135,8 +135,8 @@ impl References {
             factors,
             lightness,
             transfer: 1.0 + load_transfer,
-            friction,
-            distinct: if uncertain > 0.0 || friction.is_some() { MOTIONS } else { 1 },
+            held_n,
+            distinct: if uncertain > 0.0 || held_n.is_some() { MOTIONS } else { 1 },
             at_rest: Stiffnesses::new(vehicle, &factors, lightness),
             period_s,
         }
@@ -151,9 +151,8 @@ impl References {
         loading: &Loading,
     ) -> Stiffnesses {
         let mut factors = self.factors;
-        if let Some(friction) = self.friction {
+        if let Some(held) = self.held_n {
             // Of the force that a tyre without end would give at this slip, what friction leaves.
-            let held = self.vehicle.axle_loads_n(0.0).map(|load| friction * load);
             for (factors, motion) in factors.iter_mut().zip(motions).skip(1) {
                 let forces = self.vehicle.axle_forces(motion.at(v_x_m_per_s), delta_rad);
                 for (((factor, force), aside), held) in
@@ -165,8 +164,8 @@ impl References {
             }
         }
         let driven = loading.driven_m_per_s2();
-        let loads = [1.0, self.transfer, self.transfer]
-            .map(|times| self.vehicle.load_factors(times * driven));
+        let most = self.vehicle.load_factors(self.transfer * driven);
+        let loads = [self.vehicle.load_factors(driven), most, most];
         for ([front, rear], [front_load, rear_load]) in factors.iter_mut().zip(loads) {
             *front *= front_load;
             *rear *= rear_load;
@@ -198,13 +197,13 @@ impl References {
         let Measurement { v_x_m_per_s: v_x, r_rad_per_s: r } = y;
         let half = 0.5 * self.period_s;
         let here;
-        let stiffnesses =
-            if self.vehicle.centre_of_gravity_height_m > 0.0 || self.friction.is_some() {
-                here = self.stiffnesses(motions, v_x, delta_rad, loading);
-                &here
-            } else {
-                &self.at_rest
-            };
+        let stiffnesses = if self.vehicle.centre_of_gravity_height_m > 0.0 || self.held_n.is_some()
+        {
+            here = self.stiffnesses(motions, v_x, delta_rad, loading);
+            &here
+        } else {
+            &self.at_rest
+        };
         let draw = stiffnesses.draw_per_s(v_x);
         for (motion, coefficients) in
             motions.iter_mut().zip(&stiffnesses.motions).take(self.distinct)

@@ -137,6 +137,9 @@ impl Vehicle {
     /// Loads of the axles, front and rear, at the longitudinal acceleration `a_x` in m/s^2 over those at
     /// rest; not below a tenth.
     pub fn load_factors(&self, a_x: f64) -> [f64; 2] {
+        if self.centre_of_gravity_height_m == 0.0 {
+            return [1.0; 2]; // As below, at no cost.
+        }
         let shift = self.shift_m(a_x);
         let front = 1.0 - shift / self.rear_axle_distance_m;
         let rear = 1.0 + shift / self.front_axle_distance_m;
