@@ -39,6 +39,7 @@ fn spec() -> Spec {
         disturbance_phases: 2,
         initial_v_y_m_per_s: Some(vec![0.0]),
         duration_s: 4.0,
+        search_drives: 0,
         ..Calibration::default()
     };
     spec
@@ -242,6 +243,7 @@ fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need(
     assert!(ratio.level > 0.1 && ratio.level < 1.1, "{}", ratio.level);
     // Of n drives none was larger than the largest: 1 - 0.05^(1/8).
     near(ratio.exceeded_at_most, 0.312344, 1e-6);
+    assert!(causes.searched.is_empty(), "none was asked for");
 
     // The bounds are what the farther end of each interval does to the forces' effect.
     let bounds = adaptive.configuration().deviations.uncertainty;
@@ -249,6 +251,33 @@ fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need(
     near(bounds.front_cornering_stiffness, 0.1, 1e-15);
     near(bounds.bank_m_per_s2, 9.80665 * 3_f64.to_radians().sin(), 1e-15);
     assert_eq!(adaptive.vertices, papers_design().vertices, "the gains stay as they are");
+}
+
+#[test]
+fn an_adaptive_threshold_covers_what_a_search_finds() {
+    let adaptive = |search_drives, margin| {
+        let mut spec = Spec { uncertainty: UncertaintyTable::default(), ..spec() };
+        spec.evaluation.threshold = ThresholdKind::Adaptive;
+        spec.evaluation.margin = margin;
+        spec.evaluation.calibration.search_drives = search_drives;
+        designed(&spec).unwrap()
+    };
+    let design = adaptive(200, 1.05);
+    let (e, causes) = (&design.detector.evaluation, &design.threshold);
+    let names: Vec<&str> = causes.searched.iter().map(|found| found.family.as_str()).collect();
+    assert_eq!(names, ["any_course", "all"]);
+    assert!(causes.searched.iter().all(|found| (1..=200).contains(&found.drives)));
+    let found = causes.searched.iter().map(|found| found.level).fold(0.0, f64::max);
+    let (level, ratio) = (causes.calibration.as_ref().unwrap(), causes.uncertain.as_ref().unwrap());
+    assert!(found > ratio.level && found < 1.0 / 1.05, "{found}, at random {}", ratio.level);
+    near(e.uncertainty_share, 1.05 * found, 1e-15);
+    near(e.threshold, 1.05 * found * level.level, 1e-15);
+
+    // What was found is covered as far as the whole bound goes.
+    let whole = adaptive(200, 2.0 / found);
+    assert_eq!(whole.threshold.searched, causes.searched);
+    let random = whole.threshold.uncertain.as_ref().unwrap().level;
+    near(whole.detector.evaluation.uncertainty_share, f64::max(1.0, 2.0 / found * random), 1e-15);
 }
 
 /// What people are shown cause by cause is what the detector settles at.

@@ -77,8 +77,8 @@ fn a_search_finds_more_than_drives_at_random_do() {
         let (ratio, at_random) = (found.ratio().unwrap(), found.ratio_at_random.unwrap());
         println!("{}: {ratio:.4}, at random {at_random:.4}", found.family.name());
         assert!(ratio.is_finite() && ratio > 1.1 * at_random, "{}", found.family.name());
-        // The largest of the calibration's drives is 1 over the margin, by the threshold's choice.
-        assert!(ratio > 1.0 / design.spec.evaluation.margin, "{}", found.family.name());
+        // The threshold covers what it found itself, with a margin for what a longer search finds.
+        assert!(ratio <= 1.0 || !found.family.is_stated(), "{}", found.family.name());
         // What is kept is what was driven.
         let (drive, worst) = found.worst.unwrap();
         let detector = steerguard_detector::Detector::new(&design.configuration()).unwrap();
@@ -269,5 +269,39 @@ fn every_budget_is_kept() {
         assert!(drives <= budget.max(4), "{drives} of {budget}");
         assert_eq!(done.into_inner(), drives);
         assert!(found[0].ratio().is_some());
+    }
+}
+
+/// What is tried first is what its words say, in every family.
+#[test]
+fn suspects_are_heavy_vehicles_at_the_ends_braked_in_a_turn() {
+    let spec = every_key();
+    let (u, v) = (&spec.uncertainty, &spec.vehicle);
+    let percent = |of: f64, nominal: f64| (100.0 * (of / nominal - 1.0)).round();
+    for family in Family::of(&spec) {
+        let drives: Vec<Drive> =
+            family.suspects(&spec).iter().map(|point| family.drive(&spec, point, 1)).collect();
+        let mut met = Vec::new();
+        for Drive { vehicle, start, courses, .. } in &drives {
+            assert_eq!(percent(vehicle.mass_kg, v.mass_kg), u.mass_percent[1]);
+            assert_eq!(percent(vehicle.yaw_inertia_kg_m2, v.yaw_inertia_kg_m2), 0.0);
+            let front = percent(
+                vehicle.front_cornering_stiffness_n_per_rad,
+                v.front_cornering_stiffness_n_per_rad,
+            );
+            let rear = percent(
+                vehicle.rear_cornering_stiffness_n_per_rad,
+                v.rear_cornering_stiffness_n_per_rad,
+            );
+            assert!(front == -rear && u.front_cornering_stiffness_percent.contains(&front));
+            let speeds = &courses.speed_m_per_s;
+            assert!(speeds.windows(2).all(|pair| pair[1] <= pair[0]), "braked");
+            assert!(courses.steering_rad.iter().all(|&angle| angle >= 0.0), "to the left");
+            let aside = courses.wind_m_per_s.iter().sum::<f64>();
+            met.push((front > 0.0, start.v_x_m_per_s > 10.0, aside > 0.0));
+        }
+        met.sort_unstable();
+        met.dedup();
+        assert_eq!(met.len(), 8, "{}", family.name());
     }
 }

@@ -36,6 +36,7 @@ const PAPER: &str = r#"
     disturbance_frequencies = 2
     disturbance_phases = 2
     initial_v_y_m_per_s = [0]
+    search_drives = 0
 "#;
 const SPEED_M_PER_S: f64 = 8.0;
 const STEP_S: f64 = 0.01;

@@ -22,6 +22,7 @@ disturbance_frequencies = 1
 disturbance_phases = 1
 initial_v_y_m_per_s = [0.0]
 duration_s = 4.0
+search_drives = 0
 ";
 
 /// A folder with `spec.toml` and its `design.json`.

@@ -26,6 +26,7 @@ const FEW_DRIVES: &str = r#"
     disturbance_frequencies = 2
     disturbance_phases = 2
     initial_v_y_m_per_s = [0]
+    search_drives = 0
 "#;
 
 fn designed_by(method: &str) -> Design {

@@ -217,8 +217,8 @@ fn campaign_verifies_first() {
 #[test]
 fn designs_of_another_age_or_none_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let oldest = DESIGN.replacen("steerguard-design/3", "steerguard-design/1", 1);
-    let older = DESIGN.replacen("steerguard-design/3", "steerguard-design/2", 1);
+    let oldest = DESIGN.replacen("steerguard-design/4", "steerguard-design/1", 1);
+    let older = DESIGN.replacen("steerguard-design/4", "steerguard-design/3", 1);
     for (text, part) in [
         (&*oldest, "a design of format \"steerguard-design/1\""),
         (&*older, "a design of format \"steerguard-design/2\""),
@@ -264,7 +264,7 @@ fn a_design_is_made_anew_from_the_specification_inside_an_old_one() {
     success(path, &["verify", "new.json"]);
     let new: Value =
         serde_json::from_str(&fs::read_to_string(path.join("new.json")).unwrap()).unwrap();
-    assert_eq!(new["format"], "steerguard-design/3");
+    assert_eq!(new["format"], "steerguard-design/4");
     assert_eq!(new["spec"]["evaluation"]["calibration"], few);
 
     // Nothing is written over what is read, under whatever name.

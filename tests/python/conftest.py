@@ -98,6 +98,7 @@ speeds = 3
 manoeuvres = ["straight", "weave"]
 lateral_acceleration_m_per_s2 = [0.2, 0.4]
 duration_s = 4.0
+search_drives = 0
 """
 
 

@@ -430,13 +430,14 @@ fn evaluate(
     let detector = Configuration { evaluation, ..configuration };
     progress(Step::Sight);
     let sight = sight(spec, &detector, &found)?;
-    let Threshold { calibration, uncertain, guaranteed, peaks, .. } = found;
+    let Threshold { calibration, uncertain, searched, guaranteed, peaks, .. } = found;
     let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
         start_up: StartUpRecord { p: bound.p.each_ref().map(rows), margin: bound.margin },
         calibration,
         uncertain,
+        searched,
         guaranteed,
     };
     Ok(Evaluated { detector, threshold: causes, peaks, sight })

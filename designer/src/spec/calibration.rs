@@ -1,11 +1,15 @@
 //! `[evaluation.calibration]`: the drives that the threshold is found from.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Allowed, Mistake, Mistakes};
 
 /// Most drives.
 const MOST_DRIVES: usize = 100_000;
+/// Drives of a family that make a search.
+const SEARCH_DRIVES: RangeInclusive<u64> = 100..=1_000_000;
 /// Initial lateral speeds where none are stated, m/s.
 const INITIAL_V_Y_M_PER_S: [f64; 3] = [-1.0, 0.0, 1.0];
 
@@ -32,6 +36,9 @@ pub struct Calibration {
     pub initial_v_y_m_per_s: Option<Vec<f64>>,
     /// Length of a drive; default 8.
     pub duration_s: f64,
+    /// Drives that the search for the worst case takes of each family, threshold "adaptive"; 0: the drives
+    /// above decide alone; default 500.
+    pub search_drives: u64,
 }
 
 impl Default for Calibration {
@@ -46,6 +53,7 @@ impl Default for Calibration {
             disturbance_phases: 4,
             initial_v_y_m_per_s: None,
             duration_s: 8.0,
+            search_drives: 500,
         }
     }
 }
@@ -121,6 +129,12 @@ impl Calibration {
         mistakes.number(key, rate, Allowed::POSITIVE);
         let duration_s = Allowed::between(2.0, 3600.0);
         mistakes.number("evaluation.calibration.duration_s", self.duration_s, duration_s);
+        let searched = self.search_drives;
+        mistakes.unless(searched == 0 || SEARCH_DRIVES.contains(&searched), || {
+            let [least, most] = [SEARCH_DRIVES.start(), SEARCH_DRIVES.end()];
+            let allowed = format!("0, or from {least} to {most} drives");
+            Mistake::value("evaluation.calibration.search_drives", searched, allowed)
+        });
     }
 
     /// Finds what is not possible under so many disturbances and for lateral speeds in a range.

@@ -8,6 +8,7 @@
 
 pub mod calibration;
 pub mod guaranteed;
+pub mod searched;
 
 use serde::Serialize;
 use steerguard_detector::{
@@ -22,6 +23,7 @@ use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::calibration::{Level, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
+use crate::threshold::searched::Searched;
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
 pub fn cause_names() -> [&'static str; CAUSES] {
@@ -79,6 +81,8 @@ pub struct Threshold {
     pub calibration: Option<Level>,
     /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// Likewise, of the drives that a search finds.
+    pub searched: Vec<Searched>,
     /// The bound and its causes, of kind "guaranteed".
     pub guaranteed: Option<Guaranteed>,
     /// What proves it.
@@ -92,6 +96,7 @@ impl Threshold {
             uncertainty_share: 0.0,
             calibration: None,
             uncertain: None,
+            searched: Vec::new(),
             guaranteed: None,
             peaks: None,
         }
@@ -130,11 +135,14 @@ pub fn threshold(
             };
             let bounded = Configuration { evaluation, ..*configuration };
             let ratio = largest(spec, &bounded, Population::Uncertain, progress)?;
-            let factor = e.margin * ratio.level;
+            progress(Step::Worst);
+            let searched = searched::searched(spec, &bounded)?;
+            let factor = e.margin * searched::covered(&ratio, &searched, e.margin);
             Ok(Threshold {
                 uncertainty_share: factor,
                 calibration: Some(level.clone()),
                 uncertain: Some(ratio),
+                searched,
                 ..Threshold::constant(factor * level.level)
             })
         }

@@ -6,8 +6,8 @@
 
 use steerguard_detector::{Detector, Gust, Monitor, Output, Vehicle, VehicleState};
 use steerguard_world::{
-    Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2, held_sample,
-    speed_control_n_m,
+    GRAVITY_M_PER_S2, Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2,
+    held_sample, speed_control_n_m,
 };
 
 use crate::simulation::{Acting, Driving, Sampled, Simulation, Surroundings};
@@ -103,11 +103,21 @@ impl Acting for Around<'_> {
 }
 
 impl Drive {
-    /// Whether neither axle slides, under a drive torque of `torque_n_m`: a linear tyre would not give
-    /// more than friction holds.
-    fn holds(&self, state: &State, torque_n_m: f64) -> bool {
-        let Tyres::Saturating { friction } = self.tyres else { return true };
+    /// Whether the vehicle does not spin: neither axle slides, a linear tyre would not give more than friction
+    /// holds; and the yaw rate is not beyond `mu g / v_x`, at which no road bends the path as fast as the
+    /// vehicle turns (Rajamani 2012, 8.3).
+    fn holds(&self, state: &State, torque_n_m: f64, largest_friction: f64) -> bool {
+        let friction = match self.tyres {
+            Tyres::Saturating { friction } => friction,
+            Tyres::Linear => largest_friction,
+        };
         let v_x = state.motion.v_x_m_per_s;
+        if (v_x * state.motion.r_rad_per_s).abs() > friction * GRAVITY_M_PER_S2 {
+            return false;
+        }
+        if self.tyres == Tyres::Linear {
+            return true;
+        }
         let a_x = (torque_n_m - self.vehicle.cruise_torque(v_x))
             / self.vehicle.effective_longitudinal_inertia_kg_m;
         let vehicle = TrueVehicle { data: self.vehicle, tyres: self.tyres };
@@ -139,11 +149,13 @@ impl Drive {
         let around =
             Around { courses, mass_kg: self.vehicle.mass_kg, action: spec.uncertainty.gust() };
         let range = spec.operating_range.range();
+        let largest_friction = spec.uncertainty.friction[1].max(1.0);
         let mut within = true;
         let mut worst: Option<Worst> = None;
         simulation.run(&mut detector, &around, |sample| {
             let Sampled { number, detector, state, input } = *sample;
-            within &= range.contains(state.motion) && self.holds(state, input.t_eng_n_m);
+            within &= range.contains(state.motion)
+                && self.holds(state, input.t_eng_n_m, largest_friction);
             let Output { monitor, j_rms, j_th, .. } = *detector.output();
             let ratio = j_rms / j_th;
             // What is no number is not more.

@@ -6,6 +6,8 @@
 //! - Steering stays within the angle of a steady turn of the design's vehicle at the hardest lateral
 //!   acceleration of the calibration and at the set speed, and within the calibration's steering rate.
 
+use std::f64::consts::FRAC_PI_2;
+
 use steerguard_detector::{Actuator, VehicleState};
 use steerguard_world::{CALM_S, GUST_S, Gusts, Steering, Tyres, steady_angle};
 
@@ -135,6 +137,31 @@ impl Family {
     /// The drive of a point of the search.
     pub fn drive(self, spec: &Spec, numbers: &[f64], noise_seed: i32) -> Drive {
         self.read(spec, &mut Point::of(numbers), noise_seed)
+    }
+
+    /// The points of drives that one would try first: heavy vehicles that oversteer or understeer as much as
+    /// stated, braked from the lowest or the highest speed in a turn, while bank and wind push into the turn
+    /// or out of it; what a key states at its upper end.
+    pub fn suspects(self, spec: &Spec) -> Vec<Vec<f64>> {
+        const ENDS: [f64; 2] = [-FRAC_PI_2, FRAC_PI_2];
+        let mut point = Point::of(&[]);
+        self.read(spec, &mut point, 0);
+        let mut suspects = Vec::new();
+        for front_stiffness in ENDS {
+            for speed in ENDS {
+                for aside in ENDS {
+                    let factors = [FRAC_PI_2, 0.0, front_stiffness, -front_stiffness];
+                    // Slope, and when that begins and ends.
+                    let braking = [-FRAC_PI_2, 0.0, FRAC_PI_2];
+                    let mut suspect = [&factors[..], &[speed], &braking].concat();
+                    suspect.resize(point.at_road, FRAC_PI_2);
+                    suspect.resize(point.at_keys, aside);
+                    suspect.resize(point.next, FRAC_PI_2);
+                    suspects.push(suspect);
+                }
+            }
+        }
+        suspects
     }
 
     /// Reads a drive; what other families have too comes first, what only some have last.

@@ -6,10 +6,11 @@
 //! on the worst case.
 //!
 //! # Conventions
-//! - A family's budget is a number of drives. Some are driven at random, and some like the worst so far of
-//!   the families; from the worst of these [`STARTS`] starts move a distribution of drives each
-//!   ([`evolution`]); the better half of them goes on, until one is left. What has come to its end begins anew
-//!   around its best. All families are gone through twice, the second time without drives at random.
+//! - A family's budget is a number of drives. Some are those that one would try first, some are driven at
+//!   random, and some like the worst so far of the families; from the worst of each kind [`STARTS`] starts in
+//!   all move a distribution of drives each ([`evolution`]); the better half of them goes on, until one is
+//!   left. What has come to its end begins anew around its best. All families are gone through twice, the
+//!   second time with what is known alone.
 //! - The result is a function of specification, configuration, budget and seed, to the last bit, on any
 //!   machine and any number of processors.
 //! - Neither the disturbances nor the bounded noise of a specification act: as in campaigns. White noise
@@ -30,8 +31,10 @@ use crate::worst::drive::{Drive, Worst};
 use crate::worst::evolution::{Evolution, Found, population};
 pub use crate::worst::family::Family;
 
-/// Starts of a family in each pass.
-pub const STARTS: usize = 8;
+/// Starts of a family of each kind.
+const STARTS_OF_A_KIND: usize = 4;
+/// Starts of a family in each pass, at most.
+pub const STARTS: usize = 3 * STARTS_OF_A_KIND;
 /// Drives of a family where nothing else is asked for.
 pub const BUDGET: u64 = 16_000;
 /// How often all families are gone through, each time with what is known of the others.
@@ -139,13 +142,15 @@ impl Outcome {
 type Known<'a> = (Family, &'a Found);
 
 /// Streams of a pass's random numbers: the seed of the sensors' noise, drives at random, drives like known
-/// ones, how these differ from them, the first of the starts; and the number of all.
+/// ones, how these differ from them, the first of each kind's starts; and the number of all.
 const NOISE_STREAM: u64 = 0;
 const RANDOM_STREAM: u64 = 1;
 const KNOWN_STREAM: u64 = 2;
 const AROUND_STREAM: u64 = 3;
-const FIRST_START_STREAM: u64 = 4;
-const STREAMS: u64 = FIRST_START_STREAM + 2 * STARTS as u64;
+const FROM_RANDOM_STREAM: u64 = 4;
+const FROM_KNOWN_STREAM: u64 = FROM_RANDOM_STREAM + STARTS_OF_A_KIND as u64;
+const FROM_SUSPECTS_STREAM: u64 = FROM_KNOWN_STREAM + STARTS_OF_A_KIND as u64;
+const STREAMS: u64 = FROM_SUSPECTS_STREAM + STARTS_OF_A_KIND as u64;
 
 /// The search of a family.
 struct Test<'a, P> {
@@ -186,13 +191,15 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
     fn search(&self, known: &[Known]) -> Outcome {
         let budget = self.search.budget / PASSES;
         let each = ((0.5 * RANDOM * budget as f64) as u64).max(1);
-        // In later passes what is known is better than what is random.
-        let at_random = if self.pass == 0 { self.at_random(each) } else { Vec::new() };
+        // In later passes what is known is better than all else.
+        let is_first = self.pass == 0;
+        let at_random = if is_first { self.at_random(each) } else { Vec::new() };
+        let suspects = if is_first { self.suspects() } else { Vec::new() };
         let like_known = self.like_known(each, known);
-        let mut drives = (at_random.len() + like_known.len()) as u64;
+        let mut drives = (at_random.len() + suspects.len() + like_known.len()) as u64;
         let ratio_at_random = at_random.first().and_then(|found| found.value);
         let begin = |found: Vec<Found>, step: f64, first_stream: u64| {
-            let some = found.into_iter().take(STARTS / 2).zip(first_stream..);
+            let some = found.into_iter().take(STARTS_OF_A_KIND).zip(first_stream..);
             some.map(move |(best, stream)| Start {
                 evolution: Evolution::new(best.point.clone(), step),
                 best,
@@ -201,8 +208,9 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
             })
         };
         let like_known = first_of_each(like_known);
-        let mut starts: Vec<Start> = begin(at_random, FIRST_STEP, FIRST_START_STREAM)
-            .chain(begin(like_known, KNOWN_STEP, FIRST_START_STREAM + STARTS as u64))
+        let mut starts: Vec<Start> = begin(at_random, FIRST_STEP, FROM_RANDOM_STREAM)
+            .chain(begin(suspects, FIRST_STEP, FROM_SUSPECTS_STREAM))
+            .chain(begin(like_known, KNOWN_STEP, FROM_KNOWN_STREAM))
             .collect();
         // The better half goes on, with the same number of drives in every round.
         let rounds = u64::from(starts.len().max(1).ilog2()) + 1;
@@ -227,6 +235,15 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
             Found { value: self.ratio(&point), point }
         };
         let mut found: Vec<Found> = (0..drives).into_par_iter().map(drive).collect();
+        found.sort_by(|a, b| b.order(a));
+        found
+    }
+
+    /// The drives that one would try first, the worst first.
+    fn suspects(&self) -> Vec<Found> {
+        let points = self.family.suspects(self.spec).into_par_iter();
+        let mut found: Vec<Found> =
+            points.map(|point| Found { value: self.ratio(&point), point }).collect();
         found.sort_by(|a, b| b.order(a));
         found
     }

@@ -19,7 +19,7 @@ pub fn designed(spec: &Spec) -> Result<Design, DesignError> {
     Ok(Design::from_json(&fs::read_to_string(folder.join("design.json")).unwrap()).unwrap())
 }
 
-/// A design of `spec` in little time: with few drives in the calibration.
+/// A design of `spec` in little time: with few drives in the calibration and none searched.
 pub fn designed_with_few_drives(mut spec: Spec) -> Result<Design, DesignError> {
     spec.evaluation.calibration = Calibration {
         speeds: 1,
@@ -29,6 +29,7 @@ pub fn designed_with_few_drives(mut spec: Spec) -> Result<Design, DesignError> {
         disturbance_phases: 1,
         initial_v_y_m_per_s: Some(vec![0.0]),
         duration_s: 4.0,
+        search_drives: 0,
         ..Calibration::default()
     };
     designed(&spec)

@@ -50,6 +50,8 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
         }
         "adaptive" => {
             let [level, ratio] = levels.map(|level| level.map_or(f64::NAN, |level| level.level));
+            let found = causes.searched.iter().map(|found| found.level).fold(0.0, f64::max);
+            let ratio = f64::max(ratio, found.min(1.0 / margin));
             ([true, true, false], [margin * ratio * level, margin * ratio])
         }
         "guaranteed" => {
@@ -72,6 +74,15 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
             }
             _ => {}
         }
+    }
+    let asked = causes.kind == "adaptive" && specified.calibration.search_drives > 0.0;
+    let kind = causes.kind.clone();
+    match (causes.searched.is_empty(), asked) {
+        (true, true) => return Err(Refusal::NoCause { key: "threshold.searched".into(), kind }),
+        (false, false) => {
+            return Err(Refusal::OtherCause { key: "threshold.searched".into(), kind });
+        }
+        _ => {}
     }
     near("detector.evaluation.threshold", threshold, recomputed)?;
     near("detector.evaluation.uncertainty_share", uncertainty_share, share)?;

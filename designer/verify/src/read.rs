@@ -137,6 +137,12 @@ pub struct EvaluationOfSpec {
     pub margin: f64,
     pub debounce_samples: f64,
     pub alarm_hold_s: f64,
+    pub calibration: Calibration,
+}
+
+#[derive(Deserialize)]
+pub struct Calibration {
+    pub search_drives: f64,
 }
 
 #[derive(Debug, PartialEq, Deserialize)]
@@ -342,6 +348,7 @@ pub struct Threshold {
     pub start_up: StartUp,
     pub calibration: Option<Level>,
     pub uncertain: Option<Level>,
+    pub searched: Vec<Searched>,
     pub guaranteed: Option<Guaranteed>,
 }
 
@@ -351,6 +358,12 @@ pub struct Level {
     pub level: f64,
     pub drives: f64,
     pub exceeded_at_most: f64,
+}
+
+/// The largest that a search found.
+#[derive(Deserialize)]
+pub struct Searched {
+    pub level: f64,
 }
 
 /// The claim of a guaranteed threshold.

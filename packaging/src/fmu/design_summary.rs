@@ -4,7 +4,7 @@ use serde::Serialize;
 use steerguard_designer::sight::Sight;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::calibration::Level;
-use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names};
+use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names, searched};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
@@ -233,14 +233,24 @@ pub fn causes(threshold: &ThresholdRecord) -> Vec<Cause> {
     let mut causes = Vec::new();
     match (&threshold.calibration, &threshold.uncertain) {
         (Some(level), Some(ratio)) => {
-            let share = ratio.level;
+            let share = searched::covered(ratio, &threshold.searched, threshold.margin);
             let cause =
                 format!("noise and disturbances: {share:.3} x {} of the vehicle", largest(level));
             causes.push(Cause { cause, j: Some(share * level.level) });
-            let cause = format!(
-                "what is uncertain, at this sample: {share:.3} x its bound, which is J / J_th of {}",
-                surely_largest(ratio)
-            );
+            let at_random = surely_largest(ratio);
+            let covered = if threshold.searched.is_empty() {
+                format!("which is J / J_th of {at_random}")
+            } else {
+                let drives: u64 = threshold.searched.iter().map(|found| found.drives).sum();
+                let found = threshold.searched.iter().map(|found| found.level).fold(0.0, f64::max);
+                format!(
+                    "where J / J_th is {found:.3} in the worst fault-free drive that a search of {drives} \
+                     found, and {:.3} in {at_random}",
+                    ratio.level
+                )
+            };
+            let cause =
+                format!("what is uncertain, at this sample: {share:.3} x its bound, {covered}");
             causes.push(Cause { cause, j: None });
         }
         (Some(level), None) => {
