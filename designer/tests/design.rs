@@ -265,7 +265,7 @@ fn an_adaptive_threshold_covers_what_a_search_finds() {
     let design = adaptive(200, 1.05);
     let (e, causes) = (&design.detector.evaluation, &design.threshold);
     let names: Vec<&str> = causes.searched.iter().map(|found| found.family.as_str()).collect();
-    assert_eq!(names, ["any_course", "all"]);
+    assert_eq!(names, ["any_course", "friction"]);
     assert!(causes.searched.iter().all(|found| (1..=200).contains(&found.drives)));
     let found = causes.searched.iter().map(|found| found.level).fold(0.0, f64::max);
     let (level, ratio) = (causes.calibration.as_ref().unwrap(), causes.uncertain.as_ref().unwrap());

@@ -194,7 +194,7 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
         // In later passes what is known is better than all else.
         let is_first = self.pass == 0;
         let at_random = if is_first { self.at_random(each) } else { Vec::new() };
-        let suspects = if is_first { self.suspects() } else { Vec::new() };
+        let suspects = if is_first { self.suspects(each) } else { Vec::new() };
         let like_known = self.like_known(each, known);
         let mut drives = (at_random.len() + suspects.len() + like_known.len()) as u64;
         let ratio_at_random = at_random.first().and_then(|found| found.value);
@@ -239,9 +239,9 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
         found
     }
 
-    /// The drives that one would try first, the worst first.
-    fn suspects(&self) -> Vec<Found> {
-        let points = self.family.suspects(self.spec).into_par_iter();
+    /// The drives that one would try first, at most so many, the worst first.
+    fn suspects(&self, drives: u64) -> Vec<Found> {
+        let points = self.family.suspects(self.spec).into_par_iter().take(drives as usize);
         let mut found: Vec<Found> =
             points.map(|point| Found { value: self.ratio(&point), point }).collect();
         found.sort_by(|a, b| b.order(a));
