@@ -33,6 +33,8 @@ pub enum Step {
         /// All drives.
         of: usize,
     },
+    /// The worst drives for the second test.
+    Worst,
     /// Drives with faults.
     Sight,
 }
@@ -48,6 +50,7 @@ impl fmt::Display for Step {
             Self::Certify => write!(f, "certifying the gains"),
             Self::StartUp => write!(f, "bounding the start-up"),
             Self::Guarantee => write!(f, "bounding the residual under disturbances and noise"),
+            Self::Worst => write!(f, "searching the worst drives for the second test"),
             Self::Sight => write!(f, "driving the design with faults"),
             Self::Calibration { done, of } => write!(f, "calibrating: drive {done} of {of}"),
         }

@@ -31,9 +31,10 @@ use crate::sight::Sight;
 use crate::spec::{AIR_KG_PER_M3, Fault, MethodName, Spec, ThresholdKind};
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
+use crate::threshold::second::SecondLevels;
 
 /// Value of the key `format`.
-pub const FORMAT: &str = "steerguard-design/3";
+pub const FORMAT: &str = "steerguard-design/4";
 /// What the formats of all versions begin with.
 const ANY_FORMAT: &str = "steerguard-design/";
 
@@ -131,6 +132,8 @@ pub struct ThresholdRecord {
     /// The largest ratio of J to that level and the uncertainties' bound, start-up term aside, in the
     /// same drives of uncertain vehicles. Of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// The largest statistics of the second test; none where it does not run.
+    pub second: Option<SecondLevels>,
     /// Of kind "guaranteed", the bound and its causes.
     pub guaranteed: Option<Guaranteed>,
 }

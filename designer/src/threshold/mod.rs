@@ -8,6 +8,7 @@
 
 pub mod calibration;
 pub mod guaranteed;
+pub mod second;
 
 use serde::Serialize;
 use steerguard_detector::{
@@ -16,12 +17,15 @@ use steerguard_detector::{
 };
 use steerguard_world::steady_angle;
 
+use crate::problem::model;
 use crate::progress::Step;
 use crate::spec::{Spec, ThresholdKind};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
-use crate::threshold::calibration::{Level, Population, calibrate, drives};
+use crate::threshold::calibration::{Level, Levels, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
+use crate::threshold::second::SecondLevels;
+use crate::worst::UNREACHED;
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
 pub fn cause_names() -> [&'static str; CAUSES] {
@@ -79,6 +83,8 @@ pub struct Threshold {
     pub calibration: Option<Level>,
     /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// Largest statistics of the second test, where it runs.
+    pub second: Option<SecondLevels>,
     /// The bound and its causes, of kind "guaranteed".
     pub guaranteed: Option<Guaranteed>,
     /// What proves it.
@@ -92,6 +98,7 @@ impl Threshold {
             uncertainty_share: 0.0,
             calibration: None,
             uncertain: None,
+            second: None,
             guaranteed: None,
             peaks: None,
         }
@@ -115,26 +122,32 @@ pub fn threshold(
         // A specification without the number is refused when it is read.
         ThresholdKind::Constant => Ok(Threshold::constant(e.constant.unwrap_or_default())),
         ThresholdKind::Calibrated => {
-            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let level = largest(spec, configuration, Population::Specified, progress)?.j;
             Ok(Threshold {
                 calibration: Some(level.clone()),
                 ..Threshold::constant(e.margin * level.level)
             })
         }
         ThresholdKind::Adaptive => {
-            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let level = largest(spec, configuration, Population::Specified, progress)?.j;
             let evaluation = Evaluation {
                 threshold: level.level,
                 uncertainty_share: 1.0,
                 ..configuration.evaluation
             };
-            let bounded = Configuration { evaluation, ..*configuration };
-            let ratio = largest(spec, &bounded, Population::Uncertain, progress)?;
+            let estimator = model::estimator(spec, UNREACHED, UNREACHED);
+            let bounded = Configuration { evaluation, estimator, ..*configuration };
+            let Levels { j: ratio, second: at_random } =
+                largest(spec, &bounded, Population::Uncertain, progress)?;
+            let second = at_random
+                .map(|at_random| SecondLevels::of(spec, &bounded, at_random, progress))
+                .transpose()?;
             let factor = e.margin * ratio.level;
             Ok(Threshold {
                 uncertainty_share: factor,
                 calibration: Some(level.clone()),
                 uncertain: Some(ratio),
+                second,
                 ..Threshold::constant(factor * level.level)
             })
         }
@@ -145,7 +158,7 @@ pub fn threshold(
                 bounds.map_err(|input| ThresholdError::Guarantee { input })?.into_iter().unzip();
             let undisturbed = without_inputs(spec);
             let discretisation =
-                largest(&undisturbed, configuration, Population::Specified, progress)?;
+                largest(&undisturbed, configuration, Population::Specified, progress)?.j;
             let guaranteed = Guaranteed::new(inputs, discretisation);
             Ok(Threshold {
                 peaks: Some(peaks),
@@ -162,14 +175,14 @@ fn largest(
     configuration: &Configuration,
     population: Population,
     progress: &mut dyn FnMut(Step),
-) -> Result<Level, ThresholdError> {
+) -> Result<Levels, ThresholdError> {
     let drives = drives(spec);
     let of = drives.len();
     progress(Step::Calibration { done: 0, of });
     let mut count = |done| progress(Step::Calibration { done, of });
     // Within the start-up J may stay below the term that covers it.
     calibrate(spec, configuration, &drives, population, &mut count)?
-        .filter(|level| level.level > 0.0)
+        .filter(|levels| levels.j.level > 0.0)
         .ok_or(ThresholdError::Calibration)
 }
 

@@ -4,7 +4,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 /// Value of the key `format`.
-pub const FORMAT: &str = "steerguard-design/3";
+pub const FORMAT: &str = "steerguard-design/4";
 
 /// SHA-256, in hexadecimal, of a design's canonical JSON (RFC 8785) without its key `hash`. Layout,
 /// order of keys, notation of numbers and the sign of zero may change freely, values may not.
