@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::{all_finite, magnitude, product};
 use crate::axles::deficit;
-use crate::{Configuration, GRAVITY_M_PER_S2, Gust, Measurement, Place, StateVector, Vehicle};
+use crate::{Configuration, Gust, Measurement, Place, StateVector, Vehicle};
 
 /// States of the filter.
 pub const STATES: usize = 13;
@@ -168,7 +168,8 @@ impl Transition {
 pub(crate) struct Kalman {
     vehicle: Vehicle,
     gust: Gust,
-    friction: Option<f64>,
+    /// Axle forces that friction holds at the static loads, N; infinite for tyres without end.
+    held_n: [f64; 2],
     load_transfer: f64,
     period_s: f64,
     noise: [f64; 2],
@@ -176,7 +177,6 @@ pub(crate) struct Kalman {
     deviations: [f64; STATES],
     /// States that are there.
     states: usize,
-    axle_loads_n: [f64; 2],
 }
 
 impl Kalman {
@@ -198,13 +198,12 @@ impl Kalman {
         Self {
             vehicle,
             gust: u.gust,
-            friction: u.friction,
+            held_n: u.held_n(&vehicle).unwrap_or([f64::INFINITY; 2]),
             load_transfer: u.load_transfer,
             period_s: configuration.model.sampling_period_s,
             noise: estimator.noise,
             deviations,
             states: if more { STATES } else { ALWAYS },
-            axle_loads_n: vehicle.axle_loads_n(0.0),
         }
     }
 
@@ -307,8 +306,7 @@ impl Kalman {
         let quickness = 1.0 / (v.effective_longitudinal_inertia_kg_m * errors[0]);
         let longitudinal = (u.t_eng_n_m - c_x * v_x * v_x) * quickness;
         // Of the torque: what the measured speed says of it comes late.
-        let share = longitudinal * v.centre_of_gravity_height_m / GRAVITY_M_PER_S2;
-        let [front_load, rear_load] = [1.0 - share / l_r, 1.0 + share / l_f];
+        let [front_load, rear_load] = v.load_factors(longitudinal);
         let c_f = 2.0 * v.front_cornering_stiffness_n_per_rad * front_load * errors[2];
         let c_r = 2.0 * v.rear_cornering_stiffness_n_per_rad * rear_load * errors[3];
         let delta_rad = (1.0 + x[RATIO]) * u.delta_rad + x[OFFSET] + fault_rad;
@@ -385,17 +383,18 @@ impl Kalman {
         }
 
         // What is not modelled.
-        let uncertain = |force: f64, axle_load: f64, load: f64| {
-            let saturated =
-                self.friction.map_or(0.0, |mu| force * deficit(force / (mu * axle_load)));
+        let uncertain = |force: f64, load: f64, held: f64| {
+            // Force and load go together: the share that is missing is that at rest.
+            let saturated = force * deficit(force / (load * held));
             let transferred = self.load_transfer * (load - 1.0) * force;
             let noise = FORCE_NOISE * force;
             let lasting = magnitude(saturated) + magnitude(transferred);
             noise * noise + lasting * lasting
         };
         let behind = c_f * slowest_behind_rad;
-        let front = uncertain(front, self.axle_loads_n[0], front_load) + behind * behind;
-        let rear = uncertain(rear, self.axle_loads_n[1], rear_load);
+        let [front_held, rear_held] = self.held_n;
+        let front = uncertain(front, front_load, front_held) + behind * behind;
+        let rear = uncertain(rear, rear_load, rear_held);
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
         let across = (l_f * front - l_r * rear) * lightness * nimbleness;
         let bank = BANK_WALK * self.deviations[BANK];

@@ -193,7 +193,7 @@ class SecondTest:
         drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * max(self.x[V_X], 0.1) ** 2
         a_x = drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + self.x[MASS]))
         moved = a_x * v["centre_of_gravity_height_m"] / GRAVITY
-        loads = [1 - moved / l_r, 1 + moved / l_f]
+        loads = [max(1 - moved / l_r, 0.1), max(1 + moved / l_f, 0.1)]
         x, held = self.x, self.held
         A = np.empty((3, STATES))
         for k in range(STATES):
@@ -230,7 +230,7 @@ class SecondTest:
         static = v["mass_kg"] * GRAVITY * np.array([l_r, l_f]) / (l_f + l_r)
         intensities = []
         for force, load, share in zip(forces, static, loads):
-            square = (force / (q.friction * load)) ** 2
+            square = (force / (share * q.friction * load)) ** 2
             missing = abs(force) * square * (35 + square) / (105 + 45 * square + square**2)
             lasting = missing + abs(q.load_transfer * (share - 1) * force)
             intensities.append((FORCE_NOISE * force) ** 2 + lasting**2)

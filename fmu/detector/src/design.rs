@@ -10,7 +10,7 @@ use steerguard_fmu_core::fields::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
