@@ -208,6 +208,7 @@ impl Kalman {
     }
 
     /// A filter that knows nothing but the specification.
+    #[cold]
     pub(crate) fn forget(&self) -> Filter {
         let mut filter = Filter::NONE;
         for (k, (row, deviation)) in filter.p.iter_mut().zip(&self.deviations).enumerate() {

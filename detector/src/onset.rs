@@ -258,26 +258,21 @@ impl OnsetTest {
         }
         onsets.looks_rad =
             LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
-        let Some((likeliest, statistic)) = onsets.likeliest() else {
-            onsets.statistic = 0.0;
+        let likeliest = onsets.likeliest().map(|(found, statistic)| (*found, statistic));
+        onsets.statistic = likeliest.map_or(0.0, |(_, statistic)| statistic);
+        let Some((found, _)) = likeliest.filter(|_| self.exceeds(onsets, factor)) else {
             return false;
         };
-        let likeliest = *likeliest;
-        onsets.statistic = statistic;
-        let onset = likeliest.onset.unwrap_or_default();
-        let Hypothesis { correlation, information, .. } = likeliest;
-        if self.exceeds(onsets, factor)
-            && magnitude(onsets.held_rad + correlation / information) > LARGEST_FAULT_RAD
-        {
+        let Hypothesis { onset, correlation, information, .. } = found;
+        if magnitude(onsets.held_rad + correlation / information) > LARGEST_FAULT_RAD {
             return true;
         }
-        self.exceeds(onsets, factor)
-            && (onsets.samples.saturating_sub(onset) >= self.settled
-                || self.exceeds(onsets, CLEAR * factor))
-            && self.take_in(onsets, filter, &likeliest, factor)
+        let age = onsets.samples.saturating_sub(onset.unwrap_or_default());
+        (age >= self.settled || self.exceeds(onsets, CLEAR * factor))
+            && self.take_in(onsets, filter, &found, factor)
     }
 
-    /// Lets the filter know a fault.
+    /// Lets the filter know a fault. Returns whether this ends one that it knew.
     fn take_in(
         &self,
         onsets: &mut Onsets,
@@ -325,20 +320,16 @@ impl OnsetTest {
         }
         let [[every, _], ..] = self.spacings;
         if samples >= self.first
-            && is_multiple(samples, every)
+            && samples.is_multiple_of(every)
             && let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none())
         {
             *free = Hypothesis { onset: Some(samples), ..Hypothesis::default() };
         }
     }
 
-    /// Whether an onset is looked at at this age.
+    /// Whether an onset is looked at at this age. Not inlined, since the loop over onsets is unrolled.
+    #[inline(never)]
     fn keeps(&self, age: u64, onset: u64) -> bool {
-        self.spacings.iter().any(|[every, until]| age <= *until && is_multiple(onset, *every))
+        self.spacings.iter().any(|[every, until]| age <= *until && onset.is_multiple_of(*every))
     }
-}
-
-/// Whether `x` is a multiple of `of`; of nothing none is.
-fn is_multiple(x: u64, of: u64) -> bool {
-    x.checked_rem(of) == Some(0)
 }
