@@ -160,6 +160,7 @@ fn detector() -> Detector {
         deviations: Deviations::NONE,
         zero: Zero::default(),
         staleness: Staleness::NEVER,
+        estimator: None,
     })
     .unwrap()
 }

@@ -374,7 +374,7 @@ fn changed_files_are_refused() {
     assert!(matches!(refusal(&changed), Refusal::Hash { .. }));
     let status = text.replacen("\"certified\",", "\"uncertified\",", 1);
     assert!(matches!(refusal(&status), Refusal::Hash { .. }));
-    for older in ["steerguard-design/1", "steerguard-design/2"] {
+    for older in ["steerguard-design/1", "steerguard-design/2", "steerguard-design/3"] {
         let format = text.replacen(FORMAT, older, 1);
         assert!(matches!(refusal(&format), Refusal::Format { found } if found == older));
     }
@@ -417,7 +417,7 @@ fn zero_has_no_sign_in_a_design() {
 fn specification_of_an_older_design_is_read() {
     let design = papers_design();
     let text = design.to_json().unwrap();
-    for format in ["steerguard-design/1", "steerguard-design/2"] {
+    for format in ["steerguard-design/1", "steerguard-design/2", "steerguard-design/3"] {
         let older = text.replacen(FORMAT, format, 1).replacen("\"detector\": ", "\"d\": ", 1);
         assert_ne!(older, text);
         assert_eq!(Design::spec_from_json(&older).unwrap(), design.spec);

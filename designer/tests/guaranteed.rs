@@ -98,7 +98,7 @@ fn vehicle_in_continuous_time_stays_below_the_threshold() {
     let bounded = papers.threshold.guaranteed.as_ref().unwrap();
     let specified = Population::Specified;
     let level = calibrate(&spec, &papers.configuration(), &drives(&spec), specified, &mut |_| {});
-    let level = level.unwrap().unwrap().level;
+    let level = level.unwrap().unwrap().j.level;
     // More than the model's bound, as the Euler steps leave something out.
     assert!(
         level > bounded.bound && level < papers.detector.evaluation.threshold,

@@ -4,7 +4,7 @@
 
 use rayon::ThreadPoolBuilder;
 use steerguard_designer::spec::UncertaintyTable;
-use steerguard_designer::worst::{Family, FamilyWorst, Search, drive::Drive, worst};
+use steerguard_designer::worst::{Family, FamilyWorst, Objective, Search, drive::Drive, worst};
 use steerguard_designer::{Design, Spec};
 use steerguard_detector::{Configuration, Interval};
 use steerguard_world::{Steering, Stream, Tyres, steady_angle};
@@ -12,7 +12,7 @@ use steerguard_world::{Steering, Stream, Tyres, steady_angle};
 #[path = "common/fixtures.rs"]
 mod fixtures;
 
-const SEARCH: Search = Search { budget: 400, seed: 7 };
+const SEARCH: Search = Search { objective: Objective::Residual, budget: 400, seed: 7 };
 
 /// A design with an adaptive threshold.
 fn design() -> Design {
@@ -69,7 +69,7 @@ fn results_do_not_depend_on_the_number_of_processors() {
 #[test]
 fn a_search_finds_more_than_drives_at_random_do() {
     let design = design();
-    let search = Search { budget: 1000, seed: 7 };
+    let search = Search { budget: 1000, ..SEARCH };
     let families = Family::of(&design.spec);
     let found = worst(&design.spec, &design.configuration(), &families, search, &|_| ()).unwrap();
     for found in found {
@@ -81,8 +81,8 @@ fn a_search_finds_more_than_drives_at_random_do() {
         assert!(ratio <= 1.0 || !found.family.is_stated(), "{}", found.family.name());
         // What is kept is what was driven.
         let (drive, worst) = found.worst.unwrap();
-        let detector = steerguard_detector::Detector::new(&design.configuration()).unwrap();
-        assert_eq!(drive.worst(&design.spec, detector), Some(worst));
+        let judge = Objective::Residual.judge(&design.configuration()).unwrap();
+        assert_eq!(drive.worst(&design.spec, judge), Some(worst));
     }
 }
 
@@ -256,7 +256,7 @@ fn a_detector_that_never_monitors_has_no_ratio_and_a_broken_one_is_refused() {
 fn every_budget_is_kept() {
     let design = design();
     for budget in [1, 4, 17, 100] {
-        let search = Search { budget, seed: 1 };
+        let search = Search { budget, seed: 1, ..SEARCH };
         let families = [Family::Constant];
         let done = std::sync::atomic::AtomicU64::new(0);
         let count = |drives| {
@@ -304,4 +304,25 @@ fn suspects_are_heavy_vehicles_at_the_ends_braked_in_a_turn() {
         met.dedup();
         assert_eq!(met.len(), 8, "{}", family.name());
     }
+}
+
+#[test]
+fn the_second_test_has_worst_drives_of_its_own() {
+    let design = design();
+    let configuration = design.configuration();
+    let search = Search { objective: Objective::Second, ..SEARCH };
+    let families = [Family::AnyCourse, Family::All];
+    let found = worst(&design.spec, &configuration, &families, search, &|_| ()).unwrap();
+    let judge = Objective::Second.judge(&configuration).unwrap();
+    for found in found {
+        let (ratio, at_random) = (found.ratio().unwrap(), found.ratio_at_random.unwrap());
+        println!("{}: {ratio:.4}, at random {at_random:.4}", found.family.name());
+        assert!(ratio > at_random);
+        let (drive, worst) = found.worst.unwrap();
+        assert_eq!(drive.worst(&design.spec, judge), Some(worst));
+    }
+    // Of a detector without the second test there is nothing to find.
+    let without = Configuration { estimator: None, ..configuration };
+    let found = worst(&design.spec, &without, &families[..1], search, &|_| ()).unwrap();
+    assert_eq!(found[0].ratio(), Some(0.0));
 }

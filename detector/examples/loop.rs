@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         actuator: Actuator::NONE,
         zero: Zero::default(),
         staleness: Staleness::NEVER,
+        estimator: None,
     })?;
 
     let mut x = VehicleState { v_x_m_per_s: 15.0, ..VehicleState::default() };

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::all_finite;
 use crate::{
-    Actuator, Deviations, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW, Staleness,
-    TsModel, Zero,
+    Actuator, Deviations, Estimator, Evaluation, Gains, Interval, MAX_DELAY_SAMPLES, MAX_WINDOW,
+    Staleness, TsModel, Zero,
 };
 
 /// A detector's numbers.
@@ -30,6 +30,8 @@ pub struct Configuration {
     pub zero: Zero,
     /// When measurements are stale.
     pub staleness: Staleness,
+    /// The second test; none for the residual alone.
+    pub estimator: Option<Estimator>,
 }
 
 /// Why a configuration cannot run: the first field that is not finite or out of its range.
@@ -65,6 +67,7 @@ impl Configuration {
             (0.0..(MAX_DELAY_SAMPLES + 1) as f64).contains(&samples)
         };
         let armed = range.shrunk(self.hysteresis);
+        let second = |holds: fn(&Estimator) -> bool| self.estimator.as_ref().is_none_or(holds);
         let proper = |i: Interval| i.min < i.max && i.min.is_finite() && i.max.is_finite();
 
         for (field, holds) in [
@@ -125,6 +128,9 @@ impl Configuration {
             ("time until data are stale", not_negative(self.staleness.after_s)),
             ("jump of the speed", not_negative(self.staleness.v_x_jump_m_per_s)),
             ("jump of the yaw rate", not_negative(self.staleness.r_jump_rad_per_s)),
+            ("estimator's threshold", second(|x| positive(x.threshold))),
+            ("estimator's factor", second(|x| positive(x.estimate_factor))),
+            ("estimator's noise", second(|x| x.noise.iter().all(|&x| positive(x)))),
         ] {
             if !holds {
                 return Err(ConfigurationError { field });

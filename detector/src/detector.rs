@@ -3,11 +3,14 @@
 use crate::algebra::all_finite;
 use crate::configuration::{not_negative, positive};
 use crate::deviation::Standing;
+use crate::filter::Kalman;
+use crate::onset::OnsetTest;
 use crate::reference::References;
 use crate::{
-    Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation, Input,
-    Loading, MOTIONS, Measurement, Observer, OperatingRange, Place, RELEASE, ReferenceMotion,
-    Responses, Rms, Signal, Staleness, StartUp, StateVector, VehicleState, Zero,
+    Actuator, ActuatorState, Configuration, ConfigurationError, Deviations, Evaluation,
+    FaultEstimate, Filter, Input, Loading, MOTIONS, Measurement, Observer, Onsets, OperatingRange,
+    Place, RELEASE, ReferenceMotion, Responses, Rms, Signal, Staleness, StartUp, StateVector,
+    VehicleState, Zero,
 };
 
 /// An estimate of this magnitude is lost, in SI units: a sample that starts below it cannot overflow.
@@ -66,6 +69,8 @@ pub enum AlarmCause {
     Residual,
     /// The vehicle has left S_x, and no reference motion does.
     Range,
+    /// A fault from some sample on makes the measurements likelier than stated uncertainties do.
+    SecondTest,
 }
 
 /// How the observer starts at the first sample; every later start is from the measurement.
@@ -103,6 +108,10 @@ pub struct Output {
     pub state_cause: StateCause,
     /// Index of the sample that raised the first alarm.
     pub first_alarm: Option<u64>,
+    /// The largest statistic of the second test, over its threshold.
+    pub second_ratio: f64,
+    /// What the second test knows of the fault, where an alarm stands and it has found one.
+    pub estimate: Option<FaultEstimate>,
 }
 
 /// All that changes from sample to sample.
@@ -130,6 +139,10 @@ pub struct State {
     pub motions: [ReferenceMotion; MOTIONS],
     /// Samples that they have followed the speed without a break.
     pub followed: u32,
+    /// What the second test's filter knows; meaningful while `tracking`, as are its onsets.
+    pub filter: Filter,
+    /// Onsets of a fault that it looks at, and the fault that the filter knows.
+    pub onsets: Onsets,
     /// Filtered speed behind the longitudinal acceleration, m/s, likewise.
     pub filtered_v_x_m_per_s: f64,
     /// The last valid measurement.
@@ -166,6 +179,45 @@ impl core::fmt::Display for StateError {
 
 impl core::error::Error for StateError {}
 
+/// The test beside the residual: what no sample changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SecondTest {
+    kalman: Kalman,
+    test: OnsetTest,
+}
+
+impl SecondTest {
+    /// Forgets everything: the next sample starts anew.
+    fn forget(&self, filter: &mut Filter, onsets: &mut Onsets) {
+        *filter = self.kalman.forget();
+        *onsets = Onsets::NONE;
+    }
+
+    /// Takes in a sample and goes on to the next; `factor` on the threshold.
+    fn sample(
+        &self,
+        filter: &mut Filter,
+        onsets: &mut Onsets,
+        y: Measurement,
+        place: &Place,
+        factor: f64,
+    ) {
+        let starts = onsets.samples == 0 || {
+            let correction = self.kalman.update(filter, y);
+            let over = correction.is_none_or(|x| self.test.correct(onsets, filter, &x, factor));
+            if over {
+                self.forget(filter, onsets);
+            }
+            over
+        };
+        if starts {
+            self.kalman.start(filter, y);
+        }
+        let transition = self.kalman.predict(filter, place, onsets.held_rad);
+        self.test.advance(onsets, &transition);
+    }
+}
+
 /// A steering-fault detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detector {
@@ -177,6 +229,7 @@ pub struct Detector {
     deviations: Deviations,
     standing: Standing,
     references: References,
+    second: Option<SecondTest>,
     staleness: Staleness,
     zero: Zero,
     threshold_factor: f64,
@@ -203,7 +256,12 @@ impl Detector {
             deviations,
             zero,
             staleness,
+            estimator,
         } = *configuration;
+        let second = estimator.map(|estimator| SecondTest {
+            kalman: Kalman::new(configuration, &estimator),
+            test: OnsetTest::new(configuration, &estimator),
+        });
         let observer = Observer::new(model, gains);
         let references = deviations.uncertainty.references(&model.vehicle, model.sampling_period_s);
         Ok(Self {
@@ -215,6 +273,7 @@ impl Detector {
             deviations,
             standing: Standing::new(&deviations, &observer, &evaluation, references.distinct),
             references,
+            second,
             staleness,
             zero,
             threshold_factor: 1.0,
@@ -234,6 +293,8 @@ impl Detector {
                 slowest_actuator: ActuatorState::START,
                 motions: [ReferenceMotion::default(); MOTIONS],
                 followed: 0,
+                filter: second.map_or(Filter::NONE, |second| second.kalman.forget()),
+                onsets: Onsets::NONE,
                 filtered_v_x_m_per_s: 0.0,
                 last: Measurement::default(),
                 unchanged: 0,
@@ -392,7 +453,10 @@ impl Detector {
             && all_finite(responses.sensed.as_flattened())
             && all_finite(&responses.fault)
             && state.motions.iter().all(|x| all_finite(&[x.v_y_m_per_s, x.r_rad_per_s]))
-            && all_finite(&[state.filtered_v_x_m_per_s])
+            && all_finite(&[state.filtered_v_x_m_per_s, output.second_ratio])
+            && state.filter.is_possible()
+            && state.onsets.is_possible()
+            && output.estimate.is_none_or(|x| all_finite(&[x.fault_rad, x.bound_rad]))
             && all_finite(&state.last.vector())
             && output.alarm == (output.alarm_cause != AlarmCause::None)
             && actuators.iter().all(|(state, of)| state.is_possible(of.delay_samples(period_s)))
@@ -572,6 +636,8 @@ impl Detector {
         state.rms = Rms::EMPTY;
         state.start_up = StartUp::RESTARTED;
         state.responses = Responses::NONE;
+        // What the filter has learned of road and vehicle stays.
+        state.onsets = Onsets::NONE;
     }
 
     /// Residual and J of this sample, and z of the next.
@@ -607,6 +673,11 @@ impl Detector {
         let x = VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s };
         let place = Place { x, u, slowest_behind_rad, loading, motions: state.motions };
         state.responses.advance(&self.standing, &self.deviations, &self.observer, &n, &l, &place);
+
+        if let Some(second) = &self.second {
+            let State { filter, onsets, .. } = state;
+            second.sample(filter, onsets, y, &place, self.threshold_factor);
+        }
 
         let output = &mut state.output;
         output.residual = residual;
@@ -674,12 +745,13 @@ impl Detector {
     /// Alarm and condition of this sample.
     fn decide(&mut self, y: Measurement, stale: bool) {
         if !self.state.tracking {
-            let Output { alarm, alarm_cause, first_alarm, .. } = self.state.output;
+            let Output { alarm, alarm_cause, first_alarm, estimate, .. } = self.state.output;
             self.state.output = Output {
                 j_th: self.threshold_factor * self.evaluation.threshold,
                 alarm,
                 alarm_cause,
                 first_alarm,
+                estimate,
                 ..Output::default()
             };
         }
@@ -704,27 +776,46 @@ impl Detector {
         };
         let monitors = output.monitor == Monitor::Monitoring;
         let exceeds = monitors && output.j_rms >= output.j_th;
+        let factor = self.threshold_factor;
+        let onsets = &state.onsets;
+        let second = self.second.as_ref().filter(|_| monitors).map(|second| &second.test);
+        let second_exceeds = second.is_some_and(|test| test.speaks(onsets, factor));
+        let second_is_clear = second.is_none_or(|test| test.is_clear(onsets, factor));
+        let estimate = second.and_then(|test| test.estimate(onsets, factor, state.sample));
+        output.second_ratio = second.map_or(0.0, |test| test.ratio(onsets) / factor);
         // Where nothing can be told the count stands.
-        if exceeds || astray {
+        if exceeds || second_exceeds || astray {
             state.exceedances = state.exceedances.saturating_add(1);
         } else if monitors {
             state.exceedances = 0;
         }
         if output.alarm {
-            let clear = monitors && output.j_rms < RELEASE * output.j_th;
+            let clear = monitors && output.j_rms < RELEASE * output.j_th && second_is_clear;
             state.clear = if clear { state.clear.saturating_add(1) } else { 0 };
             let period_s = self.observer.model.sampling_period_s;
             if clear && f64::from(state.clear) * period_s >= self.alarm_hold_s {
                 output.alarm = false;
                 output.alarm_cause = AlarmCause::None;
+                if let Some(second) = &self.second {
+                    second.forget(&mut state.filter, &mut state.onsets);
+                }
             }
-        } else if (exceeds || astray) && state.exceedances >= self.debounce_samples {
+        } else if (exceeds || second_exceeds || astray)
+            && state.exceedances >= self.debounce_samples
+        {
             output.alarm = true;
-            output.alarm_cause = if exceeds { AlarmCause::Residual } else { AlarmCause::Range };
+            output.alarm_cause = if exceeds {
+                AlarmCause::Residual
+            } else if astray {
+                AlarmCause::Range
+            } else {
+                AlarmCause::SecondTest
+            };
             state.clear = 0;
             if output.first_alarm.is_none() {
                 output.first_alarm = Some(state.sample);
             }
         }
+        output.estimate = if output.alarm { estimate.or(output.estimate) } else { None };
     }
 }

@@ -201,7 +201,7 @@ impl Uncertainty {
 
     /// Axle forces in N, front and rear, that the least friction holds at the static loads; none for tyres
     /// without end.
-    fn held_n(&self, vehicle: &Vehicle) -> Option<[f64; 2]> {
+    pub(crate) fn held_n(&self, vehicle: &Vehicle) -> Option<[f64; 2]> {
         let friction = self.friction?;
         Some(vehicle.axle_loads_n(0.0).map(|load| friction * load))
     }

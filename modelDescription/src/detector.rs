@@ -50,6 +50,7 @@ enumeration! {
         NoAlarm, "No alarm stands";
         Residual, "J_rms reached J_th";
         Range, "The vehicle left the range of the design, and no reference motion does";
+        SecondTest, "A fault from some sample on is likelier than what is uncertain";
     }
 }
 
@@ -89,6 +90,11 @@ variables! {
         Alarm, "alarm", "True from a steering fault's detection until alarm_hold_s after J_rms has sunk", Role::OUTPUT, Kind::Boolean;
         State, "state", "Which condition holds: alarms are given while Monitoring", Role::OUTPUT,
             Kind::Enumeration(&DetectorState::TYPE);
+        FaultEstimate, "fault_estimate",
+            "Road wheel's angle less the commanded one, where the second test has found a fault; else 0",
+            Role::OUTPUT, Kind::real(&unit::RADIAN).nominal(0.01);
+        FaultEstimateBound, "fault_estimate_bound", "Largest error of fault_estimate; 0 where there is none",
+            Role::OUTPUT, Kind::real(&unit::RADIAN).min(0.0).nominal(0.01);
 
         // Locals.
         LateralSpeed, "v_y_hat", "Estimated lateral speed, left positive", Role::LOCAL,
@@ -104,6 +110,11 @@ variables! {
         FirstAlarmTime, "first_alarm_time",
             "Sample time of the first alarm; -1 while alarm_latched is false", Role::LOCAL,
             Kind::real(&unit::SECOND).nominal(1.0);
+        FaultOnsetTime, "fault_onset_time",
+            "Sample time from which on fault_estimate acts; -1 where there is none", Role::LOCAL,
+            Kind::real(&unit::SECOND).nominal(1.0);
+        SecondRatio, "second_ratio", "Statistic of the second test over its threshold", Role::LOCAL,
+            Kind::real(&unit::ONE).min(0.0).nominal(1.0);
         AlarmCause, "alarm_cause", "Which test raised the alarm that stands", Role::LOCAL,
             Kind::Enumeration(&DetectorAlarmCause::TYPE);
         StateCause, "state_cause", "Which variable or limit holds the state", Role::LOCAL,

@@ -92,6 +92,15 @@ edits! {
         set(d, "/threshold/kind", json!("calibrated"));
         set(d, "/spec/evaluation/threshold", json!("calibrated"));
     } => "`threshold.uncertain`";
+    no_second_test: |d| set(d, "/detector/estimator", Value::Null) => "`detector.estimator";
+    second_threshold: |d| change(d, "/detector/estimator/threshold", |x| 2.0 * x)
+        => "`detector.estimator.threshold`";
+    second_noise: |d| change(d, "/detector/estimator/noise/0", |x| 2.0 * x)
+        => "`detector.estimator.noise`";
+    second_level: |d| change(d, "/threshold/second/in_99_of_100", |x| 0.5 * x)
+        => "`detector.estimator.estimate_factor`";
+    second_in_spec_alone: |d| set(d, "/spec/estimator/enabled", json!(false))
+        => "`detector.estimator";
     threshold_margin: |d| change(d, "/threshold/margin", |x| 2.0 * x) => "`threshold.margin`";
     start_up_amplitude: |d| change(d, "/detector/evaluation/start_up_amplitude", |_| 0.0)
         => "`detector.evaluation.start_up_amplitude` = 0";
@@ -221,7 +230,7 @@ fn designs_of_another_age_or_none_are_refused_by_name() {
     let older = DESIGN.replacen("steerguard-design/4", "steerguard-design/3", 1);
     for (text, part) in [
         (&*oldest, "a design of format \"steerguard-design/1\""),
-        (&*older, "a design of format \"steerguard-design/2\""),
+        (&*older, "a design of format \"steerguard-design/3\""),
         ("", "an empty file is no design"),
         (" \n", "an empty file is no design"),
         (&DESIGN[..DESIGN.len() / 2], "cut short"),

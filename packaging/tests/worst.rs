@@ -29,6 +29,8 @@ const SPECIFICATION: &str = "
     yaw_rate_bias_deg_per_s = 0.05
     v_x_scale_percent = 0.5
     friction = [0.9, 1.0]
+    [estimator]
+    enabled = true
     [evaluation.calibration]
     speeds = 3
     manoeuvres = ['weave', 'step_steer']
@@ -66,13 +68,17 @@ fn report() -> Value {
 #[test]
 fn worst_drives_are_replayed_through_both_fmus() {
     let report = report();
-    let families = report["families"].as_array().unwrap();
-    assert_eq!(families.len(), 13);
+    let [families, second] =
+        ["families", "second_families"].map(|key| report[key].as_array().unwrap().clone());
+    assert_eq!([families.len(), second.len()], [13, 13]);
     let folder = tempfile::tempdir().unwrap();
-    for family in families {
+    let of_residual = families.iter().map(|family| (family, "", ["J_rms", "J_th"]));
+    let of_second =
+        second.iter().map(|family| (family, "second_", ["second_ratio", "second_ratio"]));
+    for (family, prefix, columns) in of_residual.chain(of_second) {
         let name = family["family"].as_str().unwrap();
         let group = if family["stated"] == true { "ratio" } else { "not_stated" };
-        assert_eq!(report[group][name], family["ratio"]);
+        assert_eq!(report[format!("{prefix}{group}")][name], family["ratio"]);
         let scenario = made().join(family["scenario"].as_str().unwrap());
         let detector = made().join("detector.fmu");
         let [detector, scenario] = [&detector, &scenario].map(|path| path.to_str().unwrap());
@@ -82,28 +88,36 @@ fn worst_drives_are_replayed_through_both_fmus() {
         let ratio = family["ratio"].as_f64().unwrap();
         // Where the vehicle has left S_x the search no longer counts, and the replay may show more.
         let time_s = family["time_s"].as_f64().unwrap();
-        let at = j_ratio(folder.path(), time_s);
-        assert!((at / ratio - 1.0).abs() < 1e-12, "{name}: {at} at {time_s} s for {ratio}");
-        assert!(replayed >= ratio * (1.0 - 1e-12), "{name}: {replayed} for {ratio}");
+        let [at, of] = recorded(folder.path(), time_s, columns);
+        if prefix.is_empty() {
+            let at = at / of;
+            assert!((at / ratio - 1.0).abs() < 1e-12, "{name}: {at} at {time_s} s for {ratio}");
+            assert!(replayed >= ratio * (1.0 - 1e-12), "{name}: {replayed} for {ratio}");
+        } else {
+            // What reaches its threshold changes what follows.
+            assert!(ratio >= 1.0 || (at / ratio - 1.0).abs() < 1e-9, "{name}: {at} for {ratio}");
+        }
     }
+    let below = second.iter().filter(|family| family["ratio"].as_f64().unwrap() < 1.0).count();
+    assert!(below > 0, "none of the second test's drives is compared");
 }
 
-/// J/J_th at a time, of the run recorded in `folder`.
-fn j_ratio(folder: &Path, time_s: f64) -> f64 {
+/// Two variables at a time, of the run recorded in `folder`.
+fn recorded(folder: &Path, time_s: f64, columns: [&str; 2]) -> [f64; 2] {
     let results = fs::read_dir(folder.join("steerguard-out")).unwrap();
     let mut paths = results.map(|entry| entry.unwrap().path());
     let path = paths.find(|path| path.extension().is_some_and(|e| e == "csv")).unwrap();
     let mut reader = csv::Reader::from_path(&path).unwrap();
     let headers = reader.headers().unwrap().clone();
     let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
-    let [time, j, j_th] = ["time", "J_rms", "J_th"].map(column);
+    let time = column("time");
     let record = reader
         .records()
         .map(|record| record.unwrap())
         .find(|record| (record[time].parse::<f64>().unwrap() - time_s).abs() < 1e-6)
         .unwrap();
     fs::remove_file(path).unwrap();
-    record[j].parse::<f64>().unwrap() / record[j_th].parse::<f64>().unwrap()
+    columns.map(|name| record[column(name)].parse().unwrap())
 }
 
 #[test]

@@ -105,9 +105,21 @@ search_drives = 0
 @pytest.fixture(scope="session")
 def everything(steerguard, tmp_path_factory):
     """Detector and reference of a design in which every deviation acts."""
-    folder = tmp_path_factory.mktemp("everything")
-    spec, design, fmu = (folder / f"everything.{kind}" for kind in ("toml", "json", "fmu"))
-    spec.write_text(EVERYTHING, encoding="utf-8")
+    return made(steerguard, tmp_path_factory.mktemp("everything"), EVERYTHING)
+
+
+@pytest.fixture(scope="session", params=["few", "everything"])
+def with_second_test(request, steerguard, tmp_path_factory):
+    """Detector and reference of designs with the second test: of the usual uncertainties, of every one."""
+    few = EVERYTHING[EVERYTHING.index("[operating_range]") : EVERYTHING.index("[sensors]")]
+    text = few + EVERYTHING[EVERYTHING.index("[design]") :] if request.param == "few" else EVERYTHING
+    return made(steerguard, tmp_path_factory.mktemp("second"), text + "\n[estimator]\nenabled = true\n")
+
+
+def made(steerguard, folder, specification):
+    """Detector and reference of a specification."""
+    spec, design, fmu = (folder / f"made.{kind}" for kind in ("toml", "json", "fmu"))
+    spec.write_text(specification, encoding="utf-8")
     # With so much uncertain it may be blind, which is an answer too.
     done = subprocess.run([steerguard, "design", spec, "-o", design], check=False, capture_output=True, text=True)
     assert done.returncode in (0, 1) and design.exists(), done.stderr

@@ -30,18 +30,22 @@ Behaviour stated here and nowhere in the equations
 - Samples that raise an alarm are counted; one that monitors without raising it ends the count, one that
   can tell nothing leaves it. An alarm ends once J has stayed below 0.8 J_th for a stated time, in
   consecutive samples that monitor; one that is invalid interrupts nothing.
+- The second test (second_test.py) runs wherever the observer does and starts with it; it raises alarms, and
+  keeps one from ending, in samples that monitor. The end of an alarm lets it forget everything.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from second_test import SecondTest
+
 STARTING, MONITORING, OUT_OF_RANGE, INVALID_INPUT, DISABLED, STALE_INPUT = range(1, 7)
 # Items of state_cause; an invalid or outlying signal has its own, in the order of the inputs.
 NOTHING, SPEED, YAW_RATE, DRIVE_TORQUE, STEERING_ANGLE, LATERAL_SPEED, UNCHANGED, NOT_ENABLED = range(
     1, 9
 )
-NO_ALARM, RESIDUAL, RANGE = 1, 2, 3  # items of alarm_cause
+NO_ALARM, RESIDUAL, RANGE, SECOND_TEST = 1, 2, 3, 4  # items of alarm_cause
 
 LIMITS = np.array([150.0, 20.0, 1e6, 1.6])  # of v_x, r, T_eng, delta
 LARGEST_ESTIMATE = 1e9
@@ -66,6 +70,8 @@ class Outputs:
     alarm_cause: np.ndarray
     state: np.ndarray
     state_cause: np.ndarray
+    second_ratio: np.ndarray
+    estimate: np.ndarray  # n x 3: fault, bound, onset's sample; NaN where there is none
 
     def first_alarm_sample(self):
         """Index of the sample that raised the first alarm, or None."""
@@ -90,6 +96,14 @@ class Outputs:
             "alarm_cause": self.alarm_cause,
             "state": self.state,
             "state_cause": self.state_cause,
+            "second_ratio": self.second_ratio,
+            "fault_estimate": np.nan_to_num(self.estimate[:, 0]),
+            "fault_estimate_bound": np.nan_to_num(self.estimate[:, 1]),
+            "fault_onset_time": np.where(
+                np.isnan(self.estimate[:, 2]),
+                NO_ALARM_TIME,
+                start_time_s + self.estimate[:, 2] * sampling_period_s,
+            ),
         }
 
 
@@ -298,6 +312,7 @@ class Reference:
         torque = fault["channel"] == "torque"
         smallest = fault["smallest_n_m"] if torque else np.radians(fault["smallest_deg"])
         self.smallest_fault = self.B[:, 0 if torque else 1] * smallest
+        self.vehicle, self.estimator = vehicle, told["estimator"]
 
     def _corners(self):
         """Which corner of the premise box each rule is: rules x 2 booleans (v_x max, r max).
@@ -592,6 +607,7 @@ class Reference:
             y,
             followed,
             observed,
+            (u, behind),
             threshold_factor,
             chosen(debounce, self.debounce),
             chosen(alarm_hold_s, self.alarm_hold_s),
@@ -693,7 +709,7 @@ class Reference:
         response.fault = N @ response.fault + held @ self.smallest_fault
 
     def _decide(
-        self, valid, invalid_signal, enabled, stale, y, followed, observed, factor, debounce, hold_s
+        self, valid, invalid_signal, enabled, stale, y, followed, observed, steered, factor, debounce, hold_s
     ):
         n = len(valid)
         episode, armed = observed.episode, observed.armed
@@ -734,9 +750,11 @@ class Reference:
         left = ~within(y[:, 1], self.bounds[2]) | ~within(v_y_hat, self.bounds[1])
         obedient = within(followed.motions, self.armed_bounds[1:].T)
         astray = left & ~stale & (followed.since > self.window) & obedient.all(axis=(1, 2))
-        alarm_cause = self._alarms(
+        second = self.estimator and SecondTest(self.vehicle, self.uncertainty, self.estimator, self.period)
+        told = (y, *steered, episode)
+        alarm_cause, second_ratio, estimate = self._alarms(
             ~valid, enabled, monitors, monitors & (j_rms >= j_th), astray,
-            monitors & (j_rms < RELEASE * j_th), debounce, hold_s,
+            monitors & (j_rms < RELEASE * j_th), debounce, hold_s, second, told, factor,
         )  # fmt: skip
 
         # Invalid samples show the results of the last valid one; before any, those of the start.
@@ -756,14 +774,29 @@ class Reference:
             alarm_cause=alarm_cause,
             state=state,
             state_cause=state_cause,
+            second_ratio=second_ratio,
+            estimate=estimate,
         )
 
-    def _alarms(self, unseen, enabled, monitors, exceeds, astray, sunk, debounce, hold_s):
-        """alarm_cause at each sample: debounced, held and released."""
+    def _alarms(
+        self, unseen, enabled, monitors, exceeds, astray, sunk, debounce, hold_s, second, told, factor
+    ):
+        """alarm_cause at each sample: debounced, held and released; what the second test says beside."""
         causes, count, clear, cause = np.full(len(unseen), NO_ALARM), 0, 0, NO_ALARM
+        ratios, ratio = np.zeros(len(unseen)), 0.0
+        estimates, estimate = np.full((len(unseen), 3), np.nan), None
+        y, u, behind, episode = told
         for k in range(len(unseen)):
             if not unseen[k]:
-                raises = exceeds[k] or astray[k]
+                speaks, is_clear, ratio, latest = False, True, 0.0, None
+                if second and enabled[k] and episode[k] >= 0:
+                    if episode[k] == k:
+                        second.restart()
+                    second.sample(y[k], u[k], behind[k], factor)
+                    if monitors[k]:
+                        speaks, is_clear = second.speaks(factor), second.is_clear(factor)
+                        ratio, latest = second.statistic / (factor * second.threshold), second.estimate(factor)
+                raises = exceeds[k] or astray[k] or speaks
                 if not enabled[k]:
                     count, clear, cause = 0, 0, NO_ALARM
                 elif raises:
@@ -772,13 +805,24 @@ class Reference:
                     count = 0
                 if cause == NO_ALARM:
                     if enabled[k] and raises and count >= debounce:
-                        cause, clear = RESIDUAL if exceeds[k] else RANGE, 0
+                        cause = RESIDUAL if exceeds[k] else RANGE if astray[k] else SECOND_TEST
+                        clear = 0
                 else:
-                    clear = clear + 1 if sunk[k] else 0
-                    if sunk[k] and clear * self.period >= hold_s:
+                    ends = sunk[k] and is_clear
+                    clear = clear + 1 if ends else 0
+                    if ends and clear * self.period >= hold_s:
                         cause = NO_ALARM
-            causes[k] = cause
-        return causes
+                        if second:
+                            second.forget()
+                if cause == NO_ALARM:
+                    estimate = None
+                elif latest:
+                    fault, bound, age = latest
+                    estimate = fault, bound, max(k - age, 0)
+            causes[k], ratios[k] = cause, ratio
+            if estimate:
+                estimates[k] = estimate
+        return causes, ratios, estimates
 
 
 class Responses:

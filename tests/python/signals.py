@@ -11,8 +11,10 @@ OUTPUTS = [
     "residual.v_x", "residual.r", "v_y_hat", "J_rms", "J_th", "J_ratio",
     "detectability", "excited", "alarm", "alarm_latched", "first_alarm_time",
     "alarm_cause", "state", "state_cause",
+    "second_ratio", "fault_estimate", "fault_estimate_bound", "fault_onset_time",
 ]  # fmt: skip
 RELATIVE_TOLERANCE = 1e-12
+SECOND_RELATIVE_TOLERANCE = 1e-9  # of the second test, which sums up over samples
 
 
 def random_drive(seed, n, period, v_x=(4.0, 31.5), r=(-0.65, 0.65)):
@@ -81,5 +83,9 @@ def assert_agree(found, expected, inputs, weights):
     }
     for name, rounding in roundings.items():
         allowed = RELATIVE_TOLERANCE * np.max(np.abs(expected[name])) + rounding
+        worst = np.max(np.abs(found[name] - expected[name]))
+        assert worst <= allowed, f"{name} differs by {worst:.1e}, more than {allowed:.1e}"
+    for name in ["second_ratio", "fault_estimate", "fault_estimate_bound", "fault_onset_time"]:
+        allowed = SECOND_RELATIVE_TOLERANCE * np.max(np.abs(expected[name]))
         worst = np.max(np.abs(found[name] - expected[name]))
         assert worst <= allowed, f"{name} differs by {worst:.1e}, more than {allowed:.1e}"

@@ -32,6 +32,7 @@ use crate::spec::{AIR_KG_PER_M3, Fault, MethodName, Spec, ThresholdKind};
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
 use crate::threshold::searched::Searched;
+use crate::threshold::second::SecondLevels;
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "steerguard-design/4";
@@ -134,6 +135,8 @@ pub struct ThresholdRecord {
     pub uncertain: Option<Level>,
     /// The largest such ratio that a short search finds, family by family. Of kind "adaptive".
     pub searched: Vec<Searched>,
+    /// The largest statistics of the second test; none where it does not run.
+    pub second: Option<SecondLevels>,
     /// Of kind "guaranteed", the bound and its causes.
     pub guaranteed: Option<Guaranteed>,
 }

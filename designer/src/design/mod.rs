@@ -30,6 +30,7 @@ use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::guaranteed::PeakCertificate;
+use crate::threshold::second::SecondLevels;
 use crate::threshold::{self, Threshold, ThresholdError};
 
 /// The start-up term may be forgotten once below this share of the smallest fault's residual.
@@ -423,14 +424,18 @@ fn evaluate(
         actuator: spec.actuator.actuator(),
         zero: spec.sensors.zero(),
         staleness: model::staleness(spec),
+        estimator: None,
     };
     let found = threshold::threshold(spec, theorem, gains, &configuration, progress)?;
     let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-    let detector = Configuration { evaluation, ..configuration };
+    let of_second =
+        |x: &SecondLevels| model::estimator(spec, e.margin * x.largest(), x.in_99_of_100);
+    let estimator = found.second.as_ref().and_then(of_second);
+    let detector = Configuration { evaluation, estimator, ..configuration };
     progress(Step::Sight);
     let sight = sight(spec, &detector, &found)?;
-    let Threshold { calibration, uncertain, searched, guaranteed, peaks, .. } = found;
+    let Threshold { calibration, uncertain, searched, second, guaranteed, peaks, .. } = found;
     let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
@@ -438,6 +443,7 @@ fn evaluate(
         calibration,
         uncertain,
         searched,
+        second,
         guaranteed,
     };
     Ok(Evaluated { detector, threshold: causes, peaks, sight })

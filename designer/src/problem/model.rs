@@ -1,9 +1,9 @@
 //! The matrices of the model.
 
-use steerguard_detector::{Deviations, Staleness, TsModel};
+use steerguard_detector::{Deviations, Estimator, Staleness, TsModel};
 
 use crate::lmi::matrix::Matrix;
-use crate::spec::Spec;
+use crate::spec::{Spec, ThresholdKind};
 
 /// The N-TS model.
 pub fn model(spec: &Spec) -> TsModel {
@@ -43,6 +43,18 @@ pub fn staleness(spec: &Spec) -> Staleness {
         v_x_jump_m_per_s: LARGEST_ACCELERATION_M_PER_S2 * period_s + NOISE_OF_A_STEP * v_x_std,
         r_jump_rad_per_s: LARGEST_YAW_ACCELERATION_RAD_PER_S2 * period_s + NOISE_OF_A_STEP * r_std,
     }
+}
+
+/// Noise that the second test assumes where less is stated, m/s and rad/s: what the discretisation leaves.
+const LEAST_NOISE: [f64; 2] = [0.002, 0.0002];
+
+/// The second test with its threshold and the factor of its estimate's bound; none where `spec` asks for none,
+/// or for a kind of threshold that is told no uncertainty.
+pub fn estimator(spec: &Spec, threshold: f64, estimate_factor: f64) -> Option<Estimator> {
+    let asked = spec.estimator.enabled && spec.evaluation.threshold == ThresholdKind::Adaptive;
+    let [v_x_std, r_std] = spec.noise.white_std();
+    let noise = [v_x_std.max(LEAST_NOISE[0]), r_std.max(LEAST_NOISE[1])];
+    asked.then_some(Estimator { threshold, estimate_factor, noise })
 }
 
 /// D, 3 x n_d: a column of each disturbance, per unit.

@@ -18,6 +18,7 @@ mod band;
 mod calibration;
 mod design;
 mod disturbance;
+mod estimator;
 mod evaluation;
 mod fault;
 mod noise;
@@ -32,6 +33,7 @@ pub(crate) use band::check_band;
 pub use calibration::{Calibration, Manoeuvre};
 pub use design::{Method, MethodName, MultiplierV, VName};
 pub use disturbance::Disturbance;
+pub use estimator::EstimatorTable;
 pub use evaluation::{Evaluation, ThresholdKind};
 pub use fault::Fault;
 pub use noise::{Noise, SpeedNoise, YawRateNoise};
@@ -68,6 +70,8 @@ pub struct Spec {
     pub design: Method,
     /// How the residual is evaluated.
     pub evaluation: Evaluation,
+    /// The second test.
+    pub estimator: EstimatorTable,
 }
 
 impl Default for Spec {
@@ -85,6 +89,7 @@ impl Default for Spec {
             uncertainty: UncertaintyTable::default(),
             design: Method::default(),
             evaluation: Evaluation::default(),
+            estimator: EstimatorTable::default(),
         }
     }
 }

@@ -9,6 +9,7 @@
 pub mod calibration;
 pub mod guaranteed;
 pub mod searched;
+pub mod second;
 
 use serde::Serialize;
 use steerguard_detector::{
@@ -17,13 +18,16 @@ use steerguard_detector::{
 };
 use steerguard_world::steady_angle;
 
+use crate::problem::model;
 use crate::progress::Step;
 use crate::spec::{Spec, ThresholdKind};
 use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
-use crate::threshold::calibration::{Level, Population, calibrate, drives};
+use crate::threshold::calibration::{Level, Levels, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
-use crate::threshold::searched::Searched;
+use crate::threshold::searched::{Searched, covered, searched};
+use crate::threshold::second::SecondLevels;
+use crate::worst::{Objective, UNREACHED};
 
 /// Names of the causes that raise the threshold, in the order of the detector's.
 pub fn cause_names() -> [&'static str; CAUSES] {
@@ -83,6 +87,8 @@ pub struct Threshold {
     pub uncertain: Option<Level>,
     /// Likewise, of the drives that a search finds.
     pub searched: Vec<Searched>,
+    /// Largest statistics of the second test, where it runs.
+    pub second: Option<SecondLevels>,
     /// The bound and its causes, of kind "guaranteed".
     pub guaranteed: Option<Guaranteed>,
     /// What proves it.
@@ -97,6 +103,7 @@ impl Threshold {
             calibration: None,
             uncertain: None,
             searched: Vec::new(),
+            second: None,
             guaranteed: None,
             peaks: None,
         }
@@ -120,29 +127,35 @@ pub fn threshold(
         // A specification without the number is refused when it is read.
         ThresholdKind::Constant => Ok(Threshold::constant(e.constant.unwrap_or_default())),
         ThresholdKind::Calibrated => {
-            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let level = largest(spec, configuration, Population::Specified, progress)?.j;
             Ok(Threshold {
                 calibration: Some(level.clone()),
                 ..Threshold::constant(e.margin * level.level)
             })
         }
         ThresholdKind::Adaptive => {
-            let level = largest(spec, configuration, Population::Specified, progress)?;
+            let level = largest(spec, configuration, Population::Specified, progress)?.j;
             let evaluation = Evaluation {
                 threshold: level.level,
                 uncertainty_share: 1.0,
                 ..configuration.evaluation
             };
-            let bounded = Configuration { evaluation, ..*configuration };
-            let ratio = largest(spec, &bounded, Population::Uncertain, progress)?;
+            let estimator = model::estimator(spec, UNREACHED, UNREACHED);
+            let bounded = Configuration { evaluation, estimator, ..*configuration };
+            let Levels { j: ratio, second: at_random } =
+                largest(spec, &bounded, Population::Uncertain, progress)?;
             progress(Step::Worst);
-            let searched = searched::searched(spec, &bounded)?;
-            let factor = e.margin * searched::covered(&ratio, &searched, e.margin);
+            let searched = searched(spec, &bounded, Objective::Residual)?;
+            let second = at_random
+                .map(|at_random| SecondLevels::of(spec, &bounded, at_random))
+                .transpose()?;
+            let factor = e.margin * covered(&ratio, &searched, e.margin);
             Ok(Threshold {
                 uncertainty_share: factor,
                 calibration: Some(level.clone()),
                 uncertain: Some(ratio),
                 searched,
+                second,
                 ..Threshold::constant(factor * level.level)
             })
         }
@@ -153,7 +166,7 @@ pub fn threshold(
                 bounds.map_err(|input| ThresholdError::Guarantee { input })?.into_iter().unzip();
             let undisturbed = without_inputs(spec);
             let discretisation =
-                largest(&undisturbed, configuration, Population::Specified, progress)?;
+                largest(&undisturbed, configuration, Population::Specified, progress)?.j;
             let guaranteed = Guaranteed::new(inputs, discretisation);
             Ok(Threshold {
                 peaks: Some(peaks),
@@ -170,14 +183,14 @@ fn largest(
     configuration: &Configuration,
     population: Population,
     progress: &mut dyn FnMut(Step),
-) -> Result<Level, ThresholdError> {
+) -> Result<Levels, ThresholdError> {
     let drives = drives(spec);
     let of = drives.len();
     progress(Step::Calibration { done: 0, of });
     let mut count = |done| progress(Step::Calibration { done, of });
     // Within the start-up J may stay below the term that covers it.
     calibrate(spec, configuration, &drives, population, &mut count)?
-        .filter(|level| level.level > 0.0)
+        .filter(|levels| levels.j.level > 0.0)
         .ok_or(ThresholdError::Calibration)
 }
 

@@ -5,7 +5,7 @@ use steerguard_detector::{Configuration, ConfigurationError};
 
 use crate::spec::Spec;
 use crate::threshold::calibration::Level;
-use crate::worst::{Family, Search, worst};
+use crate::worst::{Family, Objective, Search, worst};
 
 /// Seed of the search.
 const SEED: u64 = 1;
@@ -16,7 +16,7 @@ const SEED: u64 = 1;
 pub struct Searched {
     /// Name of the [`Family`].
     pub family: String,
-    /// J/J_th; 0 where no drive had a monitored sample.
+    /// J/J_th, or the statistic of the second test; 0 where no drive had a monitored sample.
     pub level: f64,
     /// Drives simulated.
     pub drives: u64,
@@ -37,20 +37,21 @@ fn families(spec: &Spec) -> Vec<Family> {
     families
 }
 
-/// The largest J/J_th of the detector with `configuration` that is found in as many drives of each of the
-/// widest families as `spec` asks for.
+/// The largest ratio by `objective` of the detector with `configuration` that is found in as many drives of
+/// each of the widest families as `spec` asks for.
 ///
 /// # Errors
 /// [`ConfigurationError`] where the detector cannot run with `configuration`.
 pub fn searched(
     spec: &Spec,
     configuration: &Configuration,
+    objective: Objective,
 ) -> Result<Vec<Searched>, ConfigurationError> {
     let budget = spec.evaluation.calibration.search_drives;
     if budget == 0 {
         return Ok(Vec::new());
     }
-    let search = Search { budget, seed: SEED };
+    let search = Search { objective, budget, seed: SEED };
     let found = worst(spec, configuration, &families(spec), search, &|_| ())?;
     let of_family = found.iter().map(|found| Searched {
         family: found.family.name().to_owned(),

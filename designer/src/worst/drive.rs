@@ -1,10 +1,10 @@
-//! A fault-free drive of the search: vehicle, courses, and the largest J/J_th along it.
+//! A fault-free drive of the search: vehicle, courses, and the largest ratio along it.
 //!
 //! # Conventions
 //! Those of [`crate::simulation`]. Courses are values for each sampling period, held over it; after their
 //! end the last one is held.
 
-use steerguard_detector::{Detector, Gust, Monitor, Output, Vehicle, VehicleState};
+use steerguard_detector::{Gust, Monitor, Vehicle, VehicleState};
 use steerguard_world::{
     GRAVITY_M_PER_S2, Sensors, State, Steering, TrueVehicle, Tyres, World, bank_m_per_s2,
     held_sample, speed_control_n_m,
@@ -12,6 +12,7 @@ use steerguard_world::{
 
 use crate::simulation::{Acting, Driving, Sampled, Simulation, Surroundings};
 use crate::spec::Spec;
+use crate::worst::Judge;
 
 /// A fault-free drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,10 +50,10 @@ pub struct Courses {
     pub wind_m_per_s: Vec<f64>,
 }
 
-/// The sample with the largest J/J_th of a drive.
+/// The sample with the largest ratio of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
-    /// J/J_th.
+    /// J/J_th, or the statistic of the second test over its threshold.
     pub ratio: f64,
     /// Its time.
     pub time_s: f64,
@@ -127,9 +128,10 @@ impl Drive {
         forces.into_iter().zip(loads).all(|(force, load)| force.abs() <= at_most * load)
     }
 
-    /// The sample with the largest J/J_th while `detector`, made for `spec`, monitors; none without such
-    /// a sample.
-    pub fn worst(&self, spec: &Spec, mut detector: Detector) -> Option<Worst> {
+    /// The sample with the largest ratio while the detector of `judge`, made for `spec`, monitors; none
+    /// without such a sample.
+    pub fn worst(&self, spec: &Spec, judge: Judge) -> Option<Worst> {
+        let mut detector = judge.detector;
         let courses = &self.courses;
         let surroundings = Surroundings {
             world: World::of(TrueVehicle { data: self.vehicle, tyres: self.tyres }, self.steering),
@@ -156,11 +158,11 @@ impl Drive {
             let Sampled { number, detector, state, input } = *sample;
             within &= range.contains(state.motion)
                 && self.holds(state, input.t_eng_n_m, largest_friction);
-            let Output { monitor, j_rms, j_th, .. } = *detector.output();
-            let ratio = j_rms / j_th;
+            let output = detector.output();
+            let ratio = judge.ratio(output);
             // What is no number is not more.
             if within
-                && monitor == Monitor::Monitoring
+                && output.monitor == Monitor::Monitoring
                 && worst.is_none_or(|worst| ratio > worst.ratio)
             {
                 let measured = detector.state().last;

@@ -1,4 +1,5 @@
-//! The worst case that a search finds: the fault-free drive with the largest J/J_th.
+//! The worst case that a search finds: the fault-free drive with the largest J/J_th, or the largest statistic
+//! of the second test over its threshold.
 //!
 //! A threshold that random drives stay below is none that every drive stays below. An adversary looks for
 //! the drive, within all that the specification states, that comes nearest to a false alarm, or makes
@@ -23,7 +24,8 @@ mod family;
 use std::f64::consts::PI;
 
 use rayon::prelude::*;
-use steerguard_detector::{Configuration, ConfigurationError, Detector};
+use serde::Serialize;
+use steerguard_detector::{Configuration, ConfigurationError, Detector, Estimator, Output};
 use steerguard_world::Stream;
 
 use crate::spec::Spec;
@@ -47,9 +49,61 @@ const FIRST_STEP: f64 = 0.5;
 const KNOWN_STEP: f64 = 0.2;
 const LAST_STEP: f64 = 1e-3;
 
+/// A threshold of the second test that no drive reaches: what is found would change what follows.
+pub(crate) const UNREACHED: f64 = 1e6;
+
+/// What a search makes large.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Objective {
+    /// J/J_th.
+    Residual,
+    /// The statistic of the second test over its threshold, 0 where it does not run.
+    Second,
+}
+
+impl Objective {
+    /// The detector with `configuration` as a drive is judged by it.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] where none can run with it.
+    pub fn judge(self, configuration: &Configuration) -> Result<Judge, ConfigurationError> {
+        let threshold = configuration.estimator.map_or(f64::INFINITY, |x| x.threshold);
+        let unreached = |x: Estimator| Estimator { threshold: UNREACHED, ..x };
+        let estimator = match self {
+            // J does not depend on the second test.
+            Self::Residual => None,
+            Self::Second => configuration.estimator.map(unreached),
+        };
+        let detector = Detector::new(&Configuration { estimator, ..*configuration })?;
+        Ok(Judge { detector, objective: self, second_per_ratio: UNREACHED / threshold })
+    }
+}
+
+/// A detector that drives are judged by.
+#[derive(Clone, Copy, Debug)]
+pub struct Judge {
+    detector: Detector,
+    objective: Objective,
+    /// Ratio to the threshold that is, over the ratio to the one that no drive reaches.
+    second_per_ratio: f64,
+}
+
+impl Judge {
+    /// The ratio that is made large, at the detector's last sample.
+    fn ratio(&self, output: &Output) -> f64 {
+        match self.objective {
+            Objective::Residual => output.j_rms / output.j_th,
+            Objective::Second => self.second_per_ratio * output.second_ratio,
+        }
+    }
+}
+
 /// What a search is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Search {
+    /// What is made large.
+    pub objective: Objective,
     /// Drives of each family, at most.
     pub budget: u64,
     /// Same seed, same drives.
@@ -63,14 +117,14 @@ pub struct FamilyWorst {
     pub family: Family,
     /// Drives simulated.
     pub drives: u64,
-    /// The largest J/J_th of those at random; none where none had a monitored sample.
+    /// The largest ratio of those at random; none where none had a monitored sample.
     pub ratio_at_random: Option<f64>,
-    /// The drive, and where its J/J_th is largest; none where no drive had a monitored sample.
+    /// The drive, and where its ratio is largest; none where no drive had a monitored sample.
     pub worst: Option<(Drive, Worst)>,
 }
 
 impl FamilyWorst {
-    /// Largest J/J_th.
+    /// Largest ratio.
     pub fn ratio(&self) -> Option<f64> {
         self.worst.as_ref().map(|(_, worst)| worst.ratio)
     }
@@ -88,12 +142,12 @@ pub fn worst(
     search: Search,
     progress: &(impl Fn(u64) + Sync),
 ) -> Result<Vec<FamilyWorst>, ConfigurationError> {
-    let detector = Detector::new(configuration)?;
+    let judge = search.objective.judge(configuration)?;
     let noise_seed = (Stream::new(search.seed, NOISE_STREAM).bits(0) as u32).cast_signed();
     let mut found: Vec<Outcome> = families.iter().map(|_| Outcome::default()).collect();
     for pass in 0..PASSES {
         for (place, &family) in families.iter().enumerate() {
-            let test = Test { spec, detector, family, noise_seed, search, pass, progress };
+            let test = Test { spec, judge, family, noise_seed, search, pass, progress };
             let known: Vec<Known> = families
                 .iter()
                 .zip(&found)
@@ -107,7 +161,7 @@ pub fn worst(
         let Outcome { best, drives, ratio_at_random } = outcome;
         let worst = best.and_then(|best| {
             let drive = family.drive(spec, &best.point, noise_seed);
-            let worst = drive.worst(spec, detector)?;
+            let worst = drive.worst(spec, judge)?;
             Some((drive, worst))
         });
         FamilyWorst { family, drives, ratio_at_random, worst }
@@ -155,7 +209,7 @@ const STREAMS: u64 = FROM_SUSPECTS_STREAM + STARTS_OF_A_KIND as u64;
 /// The search of a family.
 struct Test<'a, P> {
     spec: &'a Spec,
-    detector: Detector,
+    judge: Judge,
     family: Family,
     noise_seed: i32,
     search: Search,
@@ -174,10 +228,10 @@ struct Start {
 }
 
 impl<P: Fn(u64) + Sync> Test<'_, P> {
-    /// Largest J/J_th of the drive of `point`.
+    /// Largest ratio of the drive of `point`.
     fn ratio(&self, point: &[f64]) -> Option<f64> {
         let drive = self.family.drive(self.spec, point, self.noise_seed);
-        let worst = drive.worst(self.spec, self.detector);
+        let worst = drive.worst(self.spec, self.judge);
         (self.progress)(1);
         worst.map(|worst| worst.ratio)
     }

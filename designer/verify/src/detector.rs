@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::agreement::{ROUNDING, near, same, within};
 use crate::read::{
-    Actuator, ActuatorOfSpec, Design, Detector, Fault, Spec, Staleness, Uncertainty,
+    Actuator, ActuatorOfSpec, Design, Detector, Estimator, Fault, Spec, Staleness, Uncertainty,
     UncertaintyOfSpec,
 };
 use crate::refusal::Refusal;
@@ -24,6 +24,8 @@ const STALE_AFTER_S: f64 = 0.2;
 /// deviations.
 const LARGEST_ACCELERATIONS: [f64; 2] = [20.0, 20.0];
 const NOISE_OF_A_STEP: f64 = 8.5;
+/// The second test assumes at least this noise, m/s and rad/s.
+const LEAST_NOISE: [f64; 2] = [0.002, 0.0002];
 
 /// Checks every number of `detector` but the threshold and its share.
 ///
@@ -35,8 +37,17 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
     let air = constants.air_density_kg_per_m3;
     same("constants.air_density_kg_per_m3", &air, &AIR_DENSITY_KG_PER_M3)?;
 
-    let Detector { model, hysteresis, gains, evaluation: e, deviations, actuator, zero, staleness } =
-        &design.detector;
+    let Detector {
+        model,
+        hysteresis,
+        gains,
+        evaluation: e,
+        deviations,
+        actuator,
+        zero,
+        staleness,
+        estimator,
+    } = &design.detector;
     same("detector.model.vehicle", &model.vehicle, &spec.vehicle)?;
     same("detector.model.sampling_period_s", &model.sampling_period_s, &spec.sampling.period_s)?;
     let range = &spec.operating_range;
@@ -86,7 +97,13 @@ pub fn check(design: &Design) -> Result<(), Refusal> {
     near(&of("steering_offset_rad"), zero.steering_offset_rad, offset)?;
     let bias = rad(spec.sensors.yaw_rate_bias_deg_per_s);
     near(&of("yaw_rate_bias_rad_per_s"), zero.yaw_rate_bias_rad_per_s, bias)?;
-    staleness_is(staleness, spec)
+    staleness_is(staleness, spec)?;
+    if let Some(Estimator { noise, .. }) = estimator {
+        let stds = [spec.noise.v_x.white_std_m_per_s, spec.noise.r.white_std_rad_per_s];
+        let assumed = [0, 1].map(|k: usize| stds[k].max(LEAST_NOISE[k]));
+        same("detector.estimator.noise", noise, &assumed)?;
+    }
+    Ok(())
 }
 
 fn actuator_is(stored: &Actuator, specified: &ActuatorOfSpec) -> Result<(), Refusal> {

@@ -87,10 +87,24 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     near("detector.evaluation.threshold", threshold, recomputed)?;
     near("detector.evaluation.uncertainty_share", uncertainty_share, share)?;
 
+    let second = causes.second.as_ref();
+    let estimator = design.detector.estimator.as_ref();
+    let runs = design.spec.estimator.enabled && specified.threshold == "adaptive";
+    same("detector.estimator, whether there is one", &estimator.is_some(), &runs)?;
+    same("threshold.second, whether there is one", &second.is_some(), &runs)?;
+    if let Some((levels, estimator)) = second.zip(estimator) {
+        let found = levels.search.iter().map(|of_family| of_family.level);
+        let largest = found.fold(levels.calibration.level, f64::max);
+        near("detector.estimator.threshold", estimator.threshold, margin * largest)?;
+        let key = "detector.estimator.estimate_factor";
+        near(key, estimator.estimate_factor, levels.in_99_of_100)?;
+    }
+
     let discretisation = guaranteed.map(|x| &x.discretisation);
     for (key, level) in [
         ("calibration", levels[0]),
         ("uncertain", levels[1]),
+        ("second.calibration", second.map(|levels| &levels.calibration)),
         ("guaranteed.discretisation", discretisation),
     ] {
         if let Some(Level { drives, exceeded_at_most, .. }) = level {

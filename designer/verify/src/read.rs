@@ -65,6 +65,12 @@ pub struct Spec {
     pub uncertainty: UncertaintyOfSpec,
     pub design: Method,
     pub evaluation: EvaluationOfSpec,
+    pub estimator: EstimatorOfSpec,
+}
+
+#[derive(Deserialize)]
+pub struct EstimatorOfSpec {
+    pub enabled: bool,
 }
 
 #[derive(Deserialize)]
@@ -238,6 +244,16 @@ pub struct Detector {
     pub actuator: Actuator,
     pub zero: Zero,
     pub staleness: Staleness,
+    pub estimator: Option<Estimator>,
+}
+
+/// The second test.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Estimator {
+    pub threshold: f64,
+    pub estimate_factor: f64,
+    pub noise: [f64; 2],
 }
 
 #[derive(Deserialize)]
@@ -349,6 +365,7 @@ pub struct Threshold {
     pub calibration: Option<Level>,
     pub uncertain: Option<Level>,
     pub searched: Vec<Searched>,
+    pub second: Option<SecondLevels>,
     pub guaranteed: Option<Guaranteed>,
 }
 
@@ -360,10 +377,20 @@ pub struct Level {
     pub exceeded_at_most: f64,
 }
 
-/// The largest that a search found.
+/// The largest that a search found of a family.
 #[derive(Deserialize)]
 pub struct Searched {
+    pub family: String,
     pub level: f64,
+    pub drives: f64,
+}
+
+/// The largest statistics of the second test.
+#[derive(Deserialize)]
+pub struct SecondLevels {
+    pub calibration: Level,
+    pub in_99_of_100: f64,
+    pub search: Vec<Searched>,
 }
 
 /// The claim of a guaranteed threshold.

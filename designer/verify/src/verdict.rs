@@ -6,7 +6,7 @@ use crate::band::Band;
 use crate::channel::Channels;
 use crate::dynamics::Residues;
 use crate::proof::{Figures, Proof};
-use crate::read::{Design, Fault, Guaranteed, Level, Status};
+use crate::read::{Design, Fault, Guaranteed, Level, Searched, Status};
 use crate::refusal::Refusal;
 use crate::tally::Margin;
 
@@ -137,6 +137,7 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
     for (key, level) in [
         ("calibration", threshold.calibration.as_ref()),
         ("uncertain", threshold.uncertain.as_ref()),
+        ("second.calibration", threshold.second.as_ref().map(|x| &x.calibration)),
         ("guaranteed.discretisation", threshold.guaranteed.as_ref().map(|x| &x.discretisation)),
     ] {
         if let Some(Level { level, drives, .. }) = level {
@@ -144,6 +145,18 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
                 "`threshold.{key}.level`: {level}, the largest of {drives} simulated drives"
             ));
         }
+    }
+    if let Some(levels) = &threshold.second {
+        unchecked.push(format!(
+            "`threshold.second.in_99_of_100`: {}, what 99 of 100 of these drives stay below",
+            levels.in_99_of_100
+        ));
+        unchecked.extend(levels.search.iter().map(|Searched { family, level, drives }| {
+            format!(
+                "`threshold.second.search`, family `{family}`: {level}, the largest that a search of \
+                 {drives} drives found"
+            )
+        }));
     }
     if let Some(sight) = &design.performance.sight {
         let (mut seen, mut straight) = (0, 0);

@@ -624,7 +624,7 @@ fn what_is_no_design_file_is_unreadable() {
     for other in ["[]", "null", "{}"] {
         refused!(verify(other), Refusal::NoFormat);
     }
-    for older in ["steerguard-design/1", "steerguard-design/2"] {
+    for older in ["steerguard-design/1", "steerguard-design/2", "steerguard-design/3"] {
         let format = PAPER.replacen(FORMAT, older, 1);
         let error = verify(&format).unwrap_err();
         assert!(matches!(error, Refusal::Format { .. }));

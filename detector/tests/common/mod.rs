@@ -48,5 +48,6 @@ pub fn configuration() -> Configuration {
         deviations: Deviations::NONE,
         zero: Zero::default(),
         staleness: Staleness::NEVER,
+        estimator: None,
     }
 }

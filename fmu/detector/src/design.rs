@@ -1,8 +1,8 @@
 //! A design as bytes: the payload of the block that is baked into the library.
 
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Deviations, Evaluation, Gains, Gust, Interval,
-    OperatingRange, RULES, Staleness, TsModel, Uncertainty, Vehicle, Zero,
+    Actuator, Configuration, ConfigurationError, Deviations, Estimator, Evaluation, Gains, Gust,
+    Interval, OperatingRange, RULES, Staleness, TsModel, Uncertainty, Vehicle, Zero,
 };
 use steerguard_fmu_core::Archive;
 use steerguard_fmu_core::fields::{read_fields, write_fields};
@@ -10,7 +10,7 @@ use steerguard_fmu_core::fields::{read_fields, write_fields};
 /// First bytes of a design.
 const MAGIC: [u8; 4] = *b"SGDD";
 /// Version of the format: the order of [`BakedDesign::fields`].
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
@@ -123,6 +123,7 @@ impl BakedDesign {
             deviations,
             zero,
             staleness,
+            estimator,
         } = &mut self.configuration;
         let TsModel { vehicle, sampling_period_s, range } = model;
         for number in [&mut self.beta, &mut self.gamma, &mut self.gap] {
@@ -158,6 +159,13 @@ impl BakedDesign {
         ] {
             archive.real(number);
         }
+        // One of no threshold is none.
+        let mut told = estimator.unwrap_or(NO_ESTIMATOR);
+        let Estimator { threshold, estimate_factor, noise } = &mut told;
+        for number in noise.iter_mut().chain([threshold, estimate_factor]) {
+            archive.real(number);
+        }
+        *estimator = (told != NO_ESTIMATOR).then_some(told);
     }
 
     /// What decoding fills in; no detector runs on it.
@@ -210,13 +218,17 @@ impl BakedDesign {
             actuator: Actuator::NONE,
             zero: Zero { steering_offset_rad: 0.0, yaw_rate_bias_rad_per_s: 0.0 },
             staleness: Staleness::NEVER,
+            estimator: None,
         },
     };
 }
 
+/// What stands for no second test.
+const NO_ESTIMATOR: Estimator = Estimator { threshold: 0.0, estimate_factor: 0.0, noise: [0.0; 2] };
+
 /// Fields of 8 bytes: figures, vehicle, sampling period, range, hysteresis, gains, evaluation,
-/// actuator, deviations, zeros of the sensors, staleness.
-const NUMBERS: usize = 3 + 10 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 8 + 4 + 19 + 2 + 3;
+/// actuator, deviations, zeros of the sensors, staleness, second test.
+const NUMBERS: usize = 3 + 10 + 1 + 6 + 3 + RULES * (9 + 6) + 9 + 6 + 8 + 4 + 19 + 2 + 3 + 4;
 
 fn vehicle_fields(vehicle: &mut Vehicle, archive: &mut Archive<'_>) {
     let Vehicle {

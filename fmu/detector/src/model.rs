@@ -3,9 +3,9 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    ActuatorState, AlarmCause, ConfigurationError, Detector, Initialisation, Input, Jump,
-    Measurement, Monitor, Output, ReferenceMotion, Responses, Rms, Signal, State, StateCause,
-    StateVector, Zero,
+    ActuatorState, AlarmCause, ConfigurationError, Detector, FaultEstimate, Filter, Hypothesis,
+    Initialisation, Input, Jump, Measurement, Monitor, Onsets, Output, ReferenceMotion, Responses,
+    Rms, Signal, State, StateCause, StateVector, Zero,
 };
 use steerguard_fmu_core::{Archive, Log, Model, Status, Text};
 use steerguard_model_description::detector::{
@@ -86,6 +86,8 @@ impl DetectorModel {
                 if output.alarm_cause == AlarmCause::Range {
                     self.place(output, text);
                     text.str(", although the command does not lead there");
+                } else if output.alarm_cause == AlarmCause::SecondTest {
+                    text.str("second_ratio = ").rounded(output.second_ratio);
                 } else {
                     text.str("J_rms = ").rounded(output.j_rms);
                     text.str(", J_th = ").rounded(output.j_th);
@@ -251,6 +253,10 @@ impl Model for DetectorModel {
             V::Excited => return Value::Boolean(output.detectability >= 1.0),
             V::AlarmLatched => return Value::Boolean(output.first_alarm.is_some()),
             V::FirstAlarmTime => output.first_alarm.map_or(NO_ALARM_TIME, |k| self.time_s(k)),
+            V::FaultEstimate => output.estimate.map_or(0.0, |x| x.fault_rad),
+            V::FaultEstimateBound => output.estimate.map_or(0.0, |x| x.bound_rad),
+            V::FaultOnsetTime => output.estimate.map_or(NO_ALARM_TIME, |x| self.time_s(x.onset)),
+            V::SecondRatio => output.second_ratio,
 
             V::ThresholdFactor => self.detector.threshold_factor(),
             V::DebounceSamples => return Value::Integer(self.detector.debounce_samples() as i32),
@@ -364,6 +370,10 @@ impl Model for DetectorModel {
             | V::Excited
             | V::AlarmLatched
             | V::FirstAlarmTime
+            | V::FaultEstimate
+            | V::FaultEstimateBound
+            | V::FaultOnsetTime
+            | V::SecondRatio
             | V::StateIndex
             | V::AlarmCause
             | V::AlarmCauseIndex
@@ -464,15 +474,21 @@ impl Model for DetectorModel {
         let delays = [actuator, slowest]
             .map(|actuator| actuator.delay_samples(configuration.model.sampling_period_s));
         let mut state = *self.detector.state();
-        archive_state(&mut state, window, delays, archive);
+        archive_state(&mut state, window, delays, configuration.estimator.is_some(), archive);
         archive.require(self.detector.set_state(&state).is_ok());
         archive.require(self.apply_initialisation().is_ok());
     }
 }
 
 /// Passes the detector's state, which checks it, through `archive`; `window`, and the `delays` of the actuator and of the
-/// slowest one, in samples.
-fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: &mut Archive<'_>) {
+/// slowest one, in samples; `second`, whether the second test runs.
+fn archive_state(
+    state: &mut State,
+    window: usize,
+    delays: [usize; 2],
+    second: bool,
+    archive: &mut Archive<'_>,
+) {
     let State {
         sample,
         z,
@@ -484,6 +500,8 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
         actuator,
         slowest_actuator,
         motions,
+        filter,
+        onsets,
         followed,
         filtered_v_x_m_per_s,
         last,
@@ -528,6 +546,13 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
     for count in [followed, unchanged, unanswered, exceedances, clear] {
         archive.u32(count);
     }
+    if second {
+        let Filter { x, p } = filter;
+        for number in x.iter_mut().chain(p.as_flattened_mut()) {
+            archive.real(number);
+        }
+        archive_onsets(onsets, archive);
+    }
 
     let Output {
         residual,
@@ -540,9 +565,11 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
         monitor,
         state_cause,
         first_alarm,
+        second_ratio,
+        estimate,
     } = output;
     let Measurement { v_x_m_per_s, r_rad_per_s } = residual;
-    for number in [v_x_m_per_s, r_rad_per_s, v_y_hat, j_rms, j_th, detectability] {
+    for number in [v_x_m_per_s, r_rad_per_s, v_y_hat, j_rms, j_th, detectability, second_ratio] {
         archive.real(number);
     }
     archive.flag(alarm);
@@ -557,7 +584,10 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
             Monitor::StaleInput,
         ],
     );
-    archive.choice(alarm_cause, &[AlarmCause::None, AlarmCause::Residual, AlarmCause::Range]);
+    archive.choice(
+        alarm_cause,
+        &[AlarmCause::None, AlarmCause::Residual, AlarmCause::Range, AlarmCause::SecondTest],
+    );
     let [speed, yaw_rate, torque, angle] = Signal::ALL.map(StateCause::Signal);
     archive.choice(
         state_cause,
@@ -573,6 +603,37 @@ fn archive_state(state: &mut State, window: usize, delays: [usize; 2], archive: 
         ],
     );
     archive.optional(first_alarm, |archive, sample| archive.u64(sample));
+    archive.optional(estimate, |archive, FaultEstimate { fault_rad, bound_rad, onset }| {
+        archive.real(fault_rad);
+        archive.real(bound_rad);
+        archive.u64(onset);
+    });
+}
+
+fn archive_onsets(onsets: &mut Onsets, archive: &mut Archive<'_>) {
+    let Onsets {
+        samples,
+        hypotheses,
+        held_rad,
+        held_variance,
+        largest_rad,
+        held_onset,
+        held_since,
+        statistic,
+        looks_rad,
+    } = onsets;
+    for count in [samples, held_onset, held_since] {
+        archive.u64(count);
+    }
+    for number in [held_rad, held_variance, largest_rad, statistic, looks_rad] {
+        archive.real(number);
+    }
+    for Hypothesis { onset, error, correlation, information } in hypotheses {
+        archive.optional(onset, |archive, sample| archive.u64(sample));
+        for number in error.iter_mut().chain([correlation, information]) {
+            archive.real(number);
+        }
+    }
 }
 
 fn archive_actuator(state: &mut ActuatorState, delay: usize, archive: &mut Archive<'_>) {

@@ -37,5 +37,6 @@ pub const fn alarm_cause(cause: AlarmCause) -> DetectorAlarmCause {
         AlarmCause::None => DetectorAlarmCause::NoAlarm,
         AlarmCause::Residual => DetectorAlarmCause::Residual,
         AlarmCause::Range => DetectorAlarmCause::Range,
+        AlarmCause::SecondTest => DetectorAlarmCause::SecondTest,
     }
 }

@@ -10,10 +10,15 @@
 //! - It is *detected* if an episode begins once it is exposed, otherwise *missed*. Two kinds of faults
 //!   are neither: those never exposed, and those *masked* by a false alarm that stood when they were
 //!   exposed.
+//! - The second test alone has raised an alarm where `alarm_cause` says so when an episode begins; without it the fault
+//!   would have been detected at the first sample from exposure on at which J reaches J_th.
+//! - The estimate of the fault is judged 0.2 s after exposure.
 //! - An alarm counts as detection even if it would have come without the fault: where false alarms are
 //!   frequent, small faults seem detected.
 
-use steerguard_model_description::detector::{DetectorState, DetectorStateCause};
+use steerguard_model_description::detector::{
+    DetectorAlarmCause, DetectorState, DetectorStateCause,
+};
 
 use super::record::{named, record};
 use crate::drive::cosimulation::Sample;
@@ -42,6 +47,8 @@ record! {
         pub verdict: Verdict,
         /// Episodes of the alarm that began before the fault acted.
         pub false_alarms: u32,
+        /// Those of them that the second test alone raised.
+        pub false_alarms_by_second: u32,
         /// Time that the detector monitored.
         pub monitored_s: f64,
         /// The same before the fault acted.
@@ -70,14 +77,32 @@ record! {
         pub delay_s: Option<f64>,
         /// From onset to alarm.
         pub onset_delay_s: Option<f64>,
+        /// From exposure to where J reaches J_th: the delay without the second test.
+        pub residual_delay_s: Option<f64>,
+        /// 1 if the second test alone raised the alarm that detected it, else 0.
+        pub detected_by_second: Option<f64>,
         /// Largest angle that the fault added while the detector monitored.
         pub peak_fault_deg: Option<f64>,
         /// Largest J/J_th while the detector monitored before the fault acted.
         pub peak_ratio_before: Option<f64>,
         /// The same from then on.
         pub peak_ratio_after: Option<f64>,
+        /// Largest statistic of the second test over its threshold while the detector monitored before the
+        /// fault acted.
+        pub peak_second_ratio_before: Option<f64>,
+        /// The estimate of the fault less the fault, 0.2 s after exposure.
+        pub estimate_error_deg: Option<f64>,
+        /// The largest that this may be as the detector states it.
+        pub estimate_bound_deg: Option<f64>,
     }
 }
+
+/// Age of a fault at which its estimate is judged, s.
+const ESTIMATED_AFTER_S: f64 = 0.2;
+/// What times may lack by rounding, s.
+const ROUNDING_S: f64 = 1e-6;
+/// Item of the enumeration `DetectorAlarmCause` of the second test.
+const SECOND_TEST: i32 = DetectorAlarmCause::SecondTest.value();
 
 /// Items of the enumeration `DetectorState` without valid results.
 const OUT_OF_RANGE: i32 = DetectorState::OutOfRange.value();
@@ -106,6 +131,12 @@ pub struct Observation {
     exposed_s: Option<f64>,
     masked: bool,
     alarm_s: Option<f64>,
+    false_alarms_by_second: u32,
+    detected_by_second: bool,
+    residual_s: Option<f64>,
+    peak_second_ratio_before: Option<f64>,
+    /// Estimate less fault, and its bound, rad.
+    estimate_rad: Option<[f64; 2]>,
     /// Samples without alarm since then.
     interrupted: u32,
     peak_fault_rad: f64,
@@ -135,11 +166,21 @@ impl Observation {
             _ => {}
         }
         let begins = sample.alarm && !self.alarm;
+        let by_second = sample.alarm_cause == SECOND_TEST;
         self.alarm = sample.alarm;
         if begins && self.acting_s.is_none() {
             self.false_alarms += 1;
-        } else if begins && self.exposed_s.is_some() && !self.masked {
-            self.alarm_s = self.alarm_s.or(Some(sample.time));
+            self.false_alarms_by_second += u32::from(by_second);
+        } else if begins && self.exposed_s.is_some() && !self.masked && self.alarm_s.is_none() {
+            self.alarm_s = Some(sample.time);
+            self.detected_by_second = by_second;
+        }
+        if self.estimate_rad.is_none()
+            && sample.fault_estimate_bound > 0.0
+            && self.exposed_s.is_some_and(|s| sample.time >= s + ESTIMATED_AFTER_S - ROUNDING_S)
+        {
+            let error = sample.fault_estimate - sample.fault;
+            self.estimate_rad = Some([error, sample.fault_estimate_bound]);
         }
         self.interrupted += u32::from(self.alarm_s.is_some() && !sample.alarm);
     }
@@ -154,9 +195,15 @@ impl Observation {
                 self.masked = self.alarm && sample.alarm;
             }
             self.peak_fault_rad = self.peak_fault_rad.max(sample.fault.abs());
+            if ratio >= 1.0 {
+                self.residual_s = self.residual_s.or(Some(sample.time));
+            }
             &mut self.peak_ratio_after
         } else {
             self.monitored_fault_free += 1;
+            let second = sample.second_ratio;
+            let peak = &mut self.peak_second_ratio_before;
+            *peak = Some(peak.map_or(second, |peak| peak.max(second)));
             &mut self.peak_ratio_before
         };
         *peak = Some(peak.map_or(ratio, |peak| peak.max(ratio)));
@@ -166,6 +213,7 @@ impl Observation {
     pub fn outcome(&self, period_s: f64, onset_s: Option<f64>) -> Outcome {
         let share = |part: u32, of: u32| f64::from(part) / f64::from(of.max(1));
         let since = |begin_s: Option<f64>| Some(self.alarm_s? - begin_s?);
+        let [error, bound] = [0, 1].map(|k| self.estimate_rad.map(|x| x[k].to_degrees()));
         Outcome {
             verdict: match (onset_s, self.exposed_s, self.alarm_s) {
                 (None, ..) => Verdict::FaultFree,
@@ -175,6 +223,7 @@ impl Observation {
                 (.., None) => Verdict::Missed,
             },
             false_alarms: self.false_alarms,
+            false_alarms_by_second: self.false_alarms_by_second,
             monitored_s: f64::from(self.monitored) * period_s,
             monitored_fault_free_s: f64::from(self.monitored_fault_free) * period_s,
             out_of_range_share: share(self.out_of_range, self.samples),
@@ -189,9 +238,14 @@ impl Observation {
             interrupted_s: self.alarm_s.map(|_| f64::from(self.interrupted) * period_s),
             delay_s: since(self.exposed_s),
             onset_delay_s: since(onset_s),
+            residual_delay_s: self.residual_s.zip(self.exposed_s).map(|(s, begin_s)| s - begin_s),
+            detected_by_second: self.alarm_s.map(|_| f64::from(u8::from(self.detected_by_second))),
             peak_fault_deg: self.exposed_s.map(|_| self.peak_fault_rad.to_degrees()),
             peak_ratio_before: self.peak_ratio_before,
             peak_ratio_after: self.peak_ratio_after,
+            peak_second_ratio_before: self.peak_second_ratio_before,
+            estimate_error_deg: error,
+            estimate_bound_deg: bound,
         }
     }
 }

@@ -449,6 +449,12 @@ mod tests {
                 peak_fault_deg: Some(0.6),
                 peak_ratio_before: Some(f64::from(false_alarms)),
                 peak_ratio_after: None,
+                peak_second_ratio_before: None,
+                estimate_error_deg: None,
+                estimate_bound_deg: None,
+                false_alarms_by_second: 0,
+                residual_delay_s: None,
+                detected_by_second: None,
             },
         }
     }

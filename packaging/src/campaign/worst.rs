@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 
 use steerguard_designer::Spec;
-use steerguard_designer::worst::FamilyWorst;
 use steerguard_designer::worst::drive::{Drive, Worst};
+use steerguard_designer::worst::{FamilyWorst, Objective};
 use steerguard_world::Tyres;
 
 use crate::drive::scenario::{PlantParameter, Scenario, SensorNoise, Signal};
@@ -64,16 +64,27 @@ fn plant(drive: &Drive) -> BTreeMap<String, PlantParameter> {
     parameters
 }
 
-/// The scenario file of a family's worst drive; none where it has none.
+/// The scenario file of a family's worst drive by `objective`; none where it has none.
 ///
 /// # Errors
 /// None that a drive can cause.
-pub fn file(found: &FamilyWorst, spec: &Spec) -> Result<Option<String>, toml::ser::Error> {
+pub fn file(
+    found: &FamilyWorst,
+    objective: Objective,
+    spec: &Spec,
+) -> Result<Option<String>, toml::ser::Error> {
     let Some((drive, worst)) = &found.worst else { return Ok(None) };
     let Worst { ratio, time_s, .. } = *worst;
-    let head = format!(
-        "# The worst fault-free drive found of family \"{}\": J/J_th {ratio:.6} at {time_s:.2} s.\n\n",
-        found.family.name()
-    );
+    let name = found.family.name();
+    let head = match objective {
+        Objective::Residual => format!(
+            "# The worst fault-free drive found of family \"{name}\": J/J_th {ratio:.6} at {time_s:.2} s.\n\n"
+        ),
+        Objective::Second => format!(
+            "# The worst fault-free drive for the second test found of family \"{name}\": statistic over \
+             threshold {ratio:.6} at {time_s:.2} s, with the detector's parameter threshold_factor at a number that it \
+             stays below.\n\n"
+        ),
+    };
     Ok(Some(head + &scenario(drive, spec).to_toml()?))
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
-use steerguard_designer::worst::{BUDGET, Family, FamilyWorst, STARTS, Search, worst};
+use steerguard_designer::worst::{BUDGET, Family, FamilyWorst, Objective, STARTS, Search, worst};
 use steerguard_designer::{Design, DesignStatus};
 
 use super::package::caution;
@@ -30,7 +30,12 @@ struct Report {
     ratio: BTreeMap<&'static str, Option<f64>>,
     /// The same of what it does not state.
     not_stated: BTreeMap<&'static str, Option<f64>>,
+    /// The same of the second test's statistic over its threshold; none where it does not run.
+    second_ratio: Option<BTreeMap<&'static str, Option<f64>>>,
+    second_not_stated: Option<BTreeMap<&'static str, Option<f64>>>,
     families: Vec<Row>,
+    /// The same of the second test.
+    second_families: Option<Vec<Row>>,
 }
 
 /// What was found of a family.
@@ -48,6 +53,12 @@ struct Row {
     scenario: Option<PathBuf>,
 }
 
+/// Largest ratios by family of the `rows` that are stated, or not.
+fn ratios(rows: &[Row], stated: bool) -> BTreeMap<&'static str, Option<f64>> {
+    let of = rows.iter().filter(|row| row.stated == stated);
+    of.map(|row| (row.family, row.ratio)).collect()
+}
+
 /// Searches the worst drives of `design` on so many `workers`.
 pub(super) fn run(
     arguments: &CampaignArguments,
@@ -56,32 +67,43 @@ pub(super) fn run(
     json: bool,
 ) -> Result<Exit, Failure> {
     let families = Family::of(&design.spec);
-    let search = Search { budget: arguments.budget.unwrap_or(BUDGET), seed: arguments.seed };
-    let progress = Progress::bar(search.budget * families.len() as u64);
-    let advance = |drives| progress.advance(drives);
+    let budget = arguments.budget.unwrap_or(BUDGET);
     let configuration = design.configuration();
+    let second = configuration.estimator.map(|_| Objective::Second);
+    let objectives = 1 + u64::from(second.is_some());
+    let progress = Progress::bar(objectives * budget * families.len() as u64);
+    let advance = |drives| progress.advance(drives);
     let workers =
         ThreadPoolBuilder::new().num_threads(workers).build().map_err(CampaignError::from)?;
-    let found = workers
-        .install(|| worst(&design.spec, &configuration, &families, search, &advance))
-        .map_err(Failure::bad)?;
+    let found = |objective: Objective| {
+        let search = Search { objective, budget, seed: arguments.seed };
+        workers
+            .install(|| worst(&design.spec, &configuration, &families, search, &advance))
+            .map_err(Failure::bad)
+    };
+    let of_residual = found(Objective::Residual)?;
+    let of_second = second.map(found).transpose()?;
     drop(progress);
 
     create_folder(&arguments.output)?;
-    let rows: Vec<Row> =
-        found.iter().map(|found| row(arguments, design, found)).collect::<Result<_, _>>()?;
-    let ratios = |stated: bool| {
-        let of = rows.iter().filter(|row| row.stated == stated);
-        of.map(|row| (row.family, row.ratio)).collect()
+    let rows = |objective: Objective, found: &[FamilyWorst]| {
+        let rows = found.iter().map(|found| row(arguments, design, objective, found));
+        rows.collect::<Result<Vec<Row>, Failure>>()
     };
+    let families = rows(Objective::Residual, &of_residual)?;
+    let second_families = of_second.map(|found| rows(Objective::Second, &found)).transpose()?;
+    let of_second = |stated: bool| second_families.as_ref().map(|rows| ratios(rows, stated));
     let report = Report {
         status: design.synthesis.status,
-        seed: search.seed,
-        budget: search.budget,
+        seed: arguments.seed,
+        budget,
         starts: STARTS,
-        ratio: ratios(true),
-        not_stated: ratios(false),
-        families: rows,
+        ratio: ratios(&families, true),
+        not_stated: ratios(&families, false),
+        second_ratio: of_second(true),
+        second_not_stated: of_second(false),
+        families,
+        second_families,
     };
     print(json, &report, &text(&report))?;
     Ok(Exit::Done)
@@ -91,12 +113,17 @@ pub(super) fn run(
 fn row(
     arguments: &CampaignArguments,
     design: &Design,
+    objective: Objective,
     found: &FamilyWorst,
 ) -> Result<Row, Failure> {
     let name = found.family.name();
-    let scenario = match file(found, &design.spec).map_err(Failure::bad)? {
+    let suffix = match objective {
+        Objective::Residual => "",
+        Objective::Second => "-second",
+    };
+    let scenario = match file(found, objective, &design.spec).map_err(Failure::bad)? {
         Some(text) => {
-            let path = arguments.output.join(format!("worst-{name}.toml"));
+            let path = arguments.output.join(format!("worst-{name}{suffix}.toml"));
             output::write(&path, text.as_bytes())?;
             Some(path)
         }
@@ -118,15 +145,15 @@ fn row(
 
 /// The same for people.
 fn text(report: &Report) -> String {
-    let head = [
-        ["family", "J/J_th", "at random", "time", "v_x", "a_y", "drives"],
-        ["", "largest", "largest", "s", "m/s", "m/s^2", ""],
-    ];
-    let table = |stated: bool| {
-        let mut rows: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
+    let table = |of: &str, rows: &[Row], stated: bool| {
+        let head = [
+            ["family", of, "at random", "time", "v_x", "a_y", "drives"],
+            ["", "largest", "largest", "s", "m/s", "m/s^2", ""],
+        ];
+        let mut lines: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
         let number =
             |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-        rows.extend(report.families.iter().filter(|row| row.stated == stated).map(|row| {
+        lines.extend(rows.iter().filter(|row| row.stated == stated).map(|row| {
             vec![
                 row.family.to_owned(),
                 number(row.ratio, 3),
@@ -137,19 +164,29 @@ fn text(report: &Report) -> String {
                 row.drives.to_string(),
             ]
         }));
-        aligned(&rows, "  ")
+        aligned(&lines, "  ")
     };
-    let Report { seed, budget, starts, .. } = report;
+    let Report { seed, budget, starts, families, second_families, .. } = report;
     let mut text = caution(report.status);
-    text += "Worst fault-free drives found, within what the specification states\n";
-    text += &table(true);
-    text += "\nBeyond what it states\n";
-    text += &table(false);
+    let mut tables = |head: &str, stated: bool| {
+        text += head;
+        text += &table("J/J_th", families, stated);
+        if let Some(rows) = second_families {
+            text += "\n";
+            text += &table("second", rows, stated);
+        }
+    };
+    tables("Worst fault-free drives found, within what the specification states\n", true);
+    tables("\nBeyond what it states\n", false);
+    if second_families.is_some() {
+        text += "\nsecond: the second test's statistic over its threshold.\n";
+    }
     text += &format!(
         "\nAt most {budget} drives a family, {starts} starts, seed {seed}. What a search finds is a lower \
          bound.\n"
     );
-    for path in report.families.iter().filter_map(|row| row.scenario.as_ref()) {
+    let rows = families.iter().chain(second_families.iter().flatten());
+    for path in rows.filter_map(|row| row.scenario.as_ref()) {
         text += &format!("  {}\n", path.display());
     }
     text

@@ -84,6 +84,14 @@ pub struct Sample {
     pub state: i32,
     /// Item of the enumeration `DetectorStateCause`.
     pub state_cause: i32,
+    /// Item of the enumeration `DetectorAlarmCause`.
+    pub alarm_cause: i32,
+    /// Statistic of the second test over its threshold.
+    pub second_ratio: f64,
+    /// The fault that the second test has found, rad; 0 for none.
+    pub fault_estimate: f64,
+    /// Its largest error, rad.
+    pub fault_estimate_bound: f64,
 }
 
 fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
@@ -280,9 +288,9 @@ struct Ports {
     plant_inputs: [u32; 5],
     plant_outputs: [u32; 4],
     detector_inputs: [u32; 4],
-    detector_outputs: [u32; 5],
+    detector_outputs: [u32; 8],
     alarm_and_excited: [u32; 2],
-    state_and_cause: [u32; 2],
+    state_and_causes: [u32; 3],
 }
 
 impl Ports {
@@ -303,14 +311,18 @@ impl Ports {
                 "J_rms",
                 "J_th",
                 "v_y_hat",
+                "second_ratio",
+                "fault_estimate",
+                "fault_estimate_bound",
             ])?,
             alarm_and_excited: [
                 detector.variable("alarm", Type::Boolean)?,
                 detector.variable("excited", Type::Boolean)?,
             ],
-            state_and_cause: [
+            state_and_causes: [
                 detector.variable("state", Type::Enumeration)?,
                 detector.variable("state_cause", Type::Enumeration)?,
+                detector.variable("alarm_cause", Type::Enumeration)?,
             ],
         })
     }
@@ -432,10 +444,19 @@ impl Rig {
         self.detector.do_step(time_s, step_s)?;
         self.plant.do_step(time_s, step_s)?;
 
-        let [residual_v_x, residual_r, j_rms, j_th, v_y_hat] =
-            self.detector.get_real(self.ports.detector_outputs)?;
+        let [
+            residual_v_x,
+            residual_r,
+            j_rms,
+            j_th,
+            v_y_hat,
+            second_ratio,
+            fault_estimate,
+            fault_estimate_bound,
+        ] = self.detector.get_real(self.ports.detector_outputs)?;
         let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
-        let [state, state_cause] = self.detector.get_integer(self.ports.state_and_cause)?;
+        let [state, state_cause, alarm_cause] =
+            self.detector.get_integer(self.ports.state_and_causes)?;
         let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
         Ok(Sample {
             time: time_s,
@@ -456,6 +477,10 @@ impl Rig {
             excited: excited != 0,
             state,
             state_cause,
+            alarm_cause,
+            second_ratio,
+            fault_estimate,
+            fault_estimate_bound,
         })
     }
 

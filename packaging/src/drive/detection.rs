@@ -115,6 +115,7 @@ mod tests {
             excited: true,
             state: MONITORING,
             state_cause: 1,
+            ..Sample::default()
         };
         let samples = samples.iter().enumerate().map(sample).collect();
         Run { initial_speed_m_per_s: 10.0, step_s: 1.0, samples }

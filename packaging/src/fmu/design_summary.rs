@@ -8,6 +8,7 @@ use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names, sea
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
+use crate::fmu::second::Second;
 use crate::fmu::sight;
 use crate::output::table::aligned;
 
@@ -52,6 +53,8 @@ pub struct DesignSummary {
     pub threshold_causes: Vec<Cause>,
     /// J_th in steady driving, with what is uncertain.
     pub threshold_by_cause: Vec<SteadyThreshold>,
+    /// The second test.
+    pub second: Second,
     /// What the detector sees in simulated drives; `None` where the first fault is one of the drive torque.
     pub sight: Option<Sight>,
 }
@@ -61,6 +64,8 @@ pub struct DesignSummary {
 pub struct Record {
     /// Of the threshold.
     pub causes: Vec<Cause>,
+    /// Of the second test, sentences.
+    pub second: Vec<String>,
     /// What simulated drives show.
     pub sight: Option<Sight>,
 }
@@ -68,7 +73,12 @@ pub struct Record {
 impl Record {
     /// That of `design`.
     pub fn of(design: &Design) -> Self {
-        Self { causes: causes(&design.threshold), sight: design.performance.sight.clone() }
+        let second = Second::of(design).sentences(design.threshold.margin);
+        Self {
+            causes: causes(&design.threshold),
+            second: second.map_or(Vec::new(), |(_, sentences)| sentences),
+            sight: design.performance.sight.clone(),
+        }
     }
 }
 
@@ -132,6 +142,7 @@ impl DesignSummary {
             threshold_kind: design.threshold.kind,
             threshold_causes: causes(&design.threshold),
             threshold_by_cause: by_cause(&design.detector),
+            second: Second::of(design),
             sight: performance.sight.clone(),
         }
     }
@@ -205,6 +216,14 @@ impl DesignSummary {
             format!("{:.6}", self.smallest_fault_j),
             "J that it tends to, at least".into(),
         ));
+        if let Some((threshold, sentences)) = self.second.sentences(self.threshold_margin) {
+            let mut value = threshold.map_or(String::new(), |x| format!("{x:.3}"));
+            let mut name = "second test";
+            for sentence in sentences {
+                rows.push(row(name, std::mem::take(&mut value), sentence));
+                name = "";
+            }
+        }
         let mut text = aligned(&rows, "  ");
         if self.threshold_kind == ThresholdKind::Adaptive {
             text += "  J_th in steady driving by cause, x 1e-3\n";

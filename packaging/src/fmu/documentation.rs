@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use steerguard_designer::sight::Sight;
 use steerguard_designer::threshold::by_cause;
-use steerguard_detector::{Configuration, Interval};
+use steerguard_detector::{Configuration, Estimator, Interval};
 use steerguard_fmu::BakedDesign;
 use steerguard_model_description::detector::DetectorState;
 use steerguard_model_description::{
@@ -36,8 +36,8 @@ than commanded raises the alarm.</p>
 <li><code>v_x</code> and <code>r</code>: measured speed and yaw rate.</li>
 <li><code>u.T_eng</code>: drive torque at the wheels. <code>u.delta</code>: commanded angle <em>at the
 road wheel</em>, after the steering ratio. Both as they act from the communication point on.</li>
-<li><code>alarm</code> is <code>J_rms &ge; J_th</code>; <code>alarm_latched</code> and
-<code>first_alarm_time</code> remember it.</li>
+<li><code>alarm</code> is <code>J_rms &ge; J_th</code>, or the second test's where the design has one;
+<code>alarm_latched</code> and <code>first_alarm_time</code> remember it.</li>
 <li><code>excited</code> says whether the smallest fault of interest could be seen at all:
 whether the J that it would make alone reaches <code>J_th</code>. Alarms are given in any case.</li>
 <li><code>state</code> says which condition holds; <code>state_index</code> is the same as an Integer,
@@ -61,7 +61,31 @@ pub fn detector(design: &BakedDesign, record: &Record) -> String {
     let about_design = summary(design);
     let threshold = threshold(&record.causes, &design.configuration);
     let sight = record.sight.as_ref().map_or(String::new(), what_it_sees);
-    format!("{DETECTOR}{}{about_design}{sight}{threshold}", states())
+    let second = second(design.configuration.estimator.as_ref(), &record.second);
+    format!("{DETECTOR}{}{about_design}{sight}{threshold}{second}", states())
+}
+
+/// Whether there is a second test, and what its threshold rests on.
+fn second(estimator: Option<&Estimator>, sentences: &[String]) -> String {
+    let Some(estimator) = estimator else {
+        return "<h2>Second test</h2>\n<p>None: <code>second_ratio</code> and <code>fault_estimate</code> stay \
+                0.</p>\n"
+            .to_owned()
+            + &sentences.iter().map(|x| format!("<p>{}</p>\n", escaped(x))).collect::<String>();
+    };
+    let Estimator { threshold, estimate_factor, .. } = estimator;
+    let mut text = format!(
+        "<h2>Second test</h2>\n<p>Beside the residual a Kalman filter that is told what is uncertain looks for a \
+         constant angle that the road wheel is off by since some sample. <code>second_ratio</code> is the statistic of \
+         the likeliest over its threshold, {threshold:.3}; from 1 on the alarm is raised, \
+         <code>alarm_cause</code> SecondTest, and <code>fault_estimate</code> is the angle, which acts from \
+         <code>fault_onset_time</code> on. <code>fault_estimate_bound</code> is what its error stays below in 99 of \
+         100 drives like those of the calibration (statistic {estimate_factor:.3}).</p>\n"
+    );
+    for sentence in sentences {
+        let _infallible = writeln!(text, "<p>{}</p>", escaped(sentence));
+    }
+    text
 }
 
 /// The items of `state`.

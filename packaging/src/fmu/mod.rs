@@ -7,5 +7,6 @@ pub mod documentation;
 pub mod package;
 pub mod reference;
 pub mod runtime;
+pub mod second;
 pub mod sight;
 pub mod system;

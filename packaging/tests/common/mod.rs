@@ -42,6 +42,7 @@ pub fn design() -> BakedDesign {
             actuator: Actuator::NONE,
             zero: Zero::default(),
             staleness: Staleness::NEVER,
+            estimator: None,
         },
     }
 }

@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use steerguard_detector::{
-    Configuration, ConfigurationError, Detector, Input, Measurement, Output,
+    Configuration, ConfigurationError, Detector, FaultEstimate, Input, Measurement, Output,
 };
 
 /// Columns of a drive's inputs.
@@ -77,7 +77,7 @@ impl Table {
 }
 
 /// An output's fields by name, exact.
-fn fields(output: &Output) -> [(&'static str, String); 11] {
+fn fields(output: &Output) -> [(&'static str, String); 15] {
     let Output {
         residual,
         v_y_hat,
@@ -89,9 +89,13 @@ fn fields(output: &Output) -> [(&'static str, String); 11] {
         monitor,
         state_cause,
         first_alarm,
+        second_ratio,
+        estimate,
     } = output;
     let Measurement { v_x_m_per_s, r_rad_per_s } = residual;
     let real = |x: &f64| format!("{x:?}");
+    let estimated =
+        |of: fn(&FaultEstimate) -> String| estimate.as_ref().map_or_else(String::new, of);
     [
         ("residual_v_x_m_per_s", real(v_x_m_per_s)),
         ("residual_r_rad_per_s", real(r_rad_per_s)),
@@ -104,6 +108,10 @@ fn fields(output: &Output) -> [(&'static str, String); 11] {
         ("monitor", format!("{monitor:?}")),
         ("state_cause", format!("{state_cause:?}")),
         ("first_alarm", first_alarm.map_or_else(String::new, |sample| sample.to_string())),
+        ("second_ratio", real(second_ratio)),
+        ("fault_estimate_rad", estimated(|x| format!("{:?}", x.fault_rad))),
+        ("fault_estimate_bound_rad", estimated(|x| format!("{:?}", x.bound_rad))),
+        ("fault_onset", estimated(|x| x.onset.to_string())),
     ]
 }
 

@@ -13,8 +13,8 @@ use std::ptr;
 use std::sync::LazyLock;
 
 use steerguard_detector::{
-    Actuator, Configuration, Deviations, Evaluation, Gains, Interval, OperatingRange, Staleness,
-    TsModel, Vehicle, Zero,
+    Actuator, Configuration, Deviations, Estimator, Evaluation, Gains, Interval, OperatingRange,
+    Staleness, TsModel, Vehicle, Zero,
 };
 use steerguard_fmi2::types::*;
 use steerguard_fmu::{BakedDesign, DetectorModel};
@@ -78,6 +78,12 @@ pub fn design() -> BakedDesign {
             },
             zero: Zero::default(),
             staleness: Staleness { after_s: 0.0, v_x_jump_m_per_s: 0.3, r_jump_rad_per_s: 0.2 },
+            // Runs and is saved; raises no alarm.
+            estimator: Some(Estimator {
+                threshold: 1e6,
+                estimate_factor: 2.0,
+                noise: [0.02, 0.002],
+            }),
         },
     }
 }

@@ -1,0 +1,48 @@
+//! What the threshold of the second test rests on: random drives, and a short search for the worst one.
+
+use serde::{Deserialize, Serialize};
+use steerguard_detector::{Configuration, ConfigurationError};
+
+use crate::spec::Spec;
+use crate::threshold::calibration::Level;
+use crate::threshold::searched::{Searched, searched};
+use crate::worst::{Objective, UNREACHED};
+
+/// The largest statistics of the second test without a fault.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SecondLevels {
+    /// Of the calibration's drives of uncertain vehicles.
+    pub calibration: Level,
+    /// What 99 of 100 of these drives stay below.
+    pub in_99_of_100: f64,
+    /// The largest that a short search found, family by family.
+    pub search: Vec<Searched>,
+}
+
+impl SecondLevels {
+    /// Those of a detector with `configuration`, whose second test has a threshold that no drive reaches, and
+    /// `at_random` of the calibration's drives: the largest ratio to that threshold, and what 99 of 100 stay
+    /// below.
+    ///
+    /// # Errors
+    /// [`ConfigurationError`] where the detector cannot run with `configuration`.
+    pub(super) fn of(
+        spec: &Spec,
+        configuration: &Configuration,
+        (calibration, in_99_of_100): (Level, f64),
+    ) -> Result<Self, ConfigurationError> {
+        let statistic = |ratio: f64| UNREACHED * ratio;
+        let search = searched(spec, configuration, Objective::Second)?.into_iter();
+        Ok(Self {
+            calibration: Level { level: statistic(calibration.level), ..calibration },
+            in_99_of_100: statistic(in_99_of_100),
+            search: search.map(|x| Searched { level: statistic(x.level), ..x }).collect(),
+        })
+    }
+
+    /// The largest of all.
+    pub fn largest(&self) -> f64 {
+        self.search.iter().map(|of_family| of_family.level).fold(self.calibration.level, f64::max)
+    }
+}

@@ -1,0 +1,335 @@
+//! How much likelier the innovations are with a fault from some sample on: generalised likelihood ratio
+//! over onsets (method 9).
+//!
+//! # Conventions
+//! - A hypothesis: since its onset the road wheel has been off by a constant angle f. That shifts the
+//!   filter's innovations by `f s`, `s = H eps`, with `eps+ = Phi (I - K H) eps + B_f`.
+//!   Willsky and Jones, IEEE Trans. Automatic Control 21 (1976).
+//! - With innovations nu of covariance S, `a = sum s' S^-1 nu` and `c = sum s' S^-1 s`: the fault that
+//!   explains most is `a / c`, of standard deviation `c^-1/2`; the statistic is `|a / c|` over `c^-1/2 + o`,
+//!   o a share of what bank and gust at their bounds look like, which no time makes less.
+//! - An estimate errs by less than a factor times `c^-1/2 + o` where that statistic stays below the factor
+//!   without a fault: what disturbs it is the same with a fault and without.
+//! - A fault that is found is taken into the filter once it is [`SETTLED_S`] old: the filter goes on as if it
+//!   had always known, and further steps are found on top.
+
+use crate::algebra::{all_finite, magnitude};
+use crate::filter::{Correction, STATES, Transition};
+use crate::{Configuration, Estimator, Filter, Gust, RELEASE};
+
+/// Onsets that are looked at, at most.
+pub const HYPOTHESES: usize = 20;
+
+/// Onsets are looked at this far apart up to an age, s: what lasts longer road and vehicle may explain.
+const SPACINGS_S: [[f64; 2]; 2] = [[0.05, 0.5], [0.1, 1.0]];
+/// Time that a fault that was taken in speaks for an alarm, s.
+const KNOWN_FOR_S: f64 = 10.0;
+/// Share of what bank and gust at their bounds look like that the statistic allows for.
+const LOOKS: f64 = 0.2;
+/// Time from the filter's start until onsets are looked at, s: the lateral speed is known then.
+const KNOWN_S: f64 = 0.5;
+/// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
+const SETTLED_S: f64 = 0.3;
+/// A statistic of this many thresholds is taken in at once: what a large fault does is not linear for long.
+const CLEAR: f64 = 3.0;
+/// No road wheel is off by more, rad: a filter that finds more is lost.
+const LARGEST_FAULT_RAD: f64 = 1.6;
+/// A fault is over where less than this share of the largest is left.
+const GONE: f64 = 0.15;
+
+/// An onset, and what speaks for it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hypothesis {
+    /// The sample since the start from which on the wheel is off; none for no hypothesis.
+    pub onset: Option<u64>,
+    /// Error of the filter's state that 1 rad makes.
+    pub error: [f64; STATES],
+    /// a.
+    pub correlation: f64,
+    /// c, per rad^2.
+    pub information: f64,
+}
+
+/// What is known of the fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FaultEstimate {
+    /// The road wheel's angle less the commanded one, rad.
+    pub fault_rad: f64,
+    /// It errs by at most this, rad.
+    pub bound_rad: f64,
+    /// Index of the sample from which on it acts.
+    pub onset: u64,
+}
+
+/// The onsets before the sample to come, and the fault that the filter knows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onsets {
+    /// Samples since the start.
+    pub samples: u64,
+    /// Onsets.
+    pub hypotheses: [Hypothesis; HYPOTHESES],
+    /// The fault that the filter knows, rad.
+    pub held_rad: f64,
+    /// Its variance, rad^2.
+    pub held_variance: f64,
+    /// The largest that it has been, rad.
+    pub largest_rad: f64,
+    /// Its onset.
+    pub held_onset: u64,
+    /// The sample at which it was last taken in.
+    pub held_since: u64,
+    /// Largest statistic at the last sample.
+    pub statistic: f64,
+    /// What the statistic allowed for at the last sample beside the standard deviation, rad.
+    pub looks_rad: f64,
+}
+
+impl Onsets {
+    /// Before the first sample after a start.
+    pub const NONE: Self = Self {
+        samples: 0,
+        hypotheses: [Hypothesis {
+            onset: None,
+            error: [0.0; STATES],
+            correlation: 0.0,
+            information: 0.0,
+        }; HYPOTHESES],
+        held_rad: 0.0,
+        held_variance: 0.0,
+        largest_rad: 0.0,
+        held_onset: 0,
+        held_since: 0,
+        statistic: 0.0,
+        looks_rad: 0.0,
+    };
+
+    /// Whether a test can have led here.
+    pub(crate) fn is_possible(&self) -> bool {
+        let past = |sample: u64| sample <= self.samples;
+        self.hypotheses.iter().all(|x| {
+            x.onset.is_none_or(past)
+                && all_finite(&x.error)
+                && all_finite(&[x.correlation, x.information])
+                && x.information >= 0.0
+        }) && all_finite(&[self.held_rad, self.held_variance, self.largest_rad])
+            && all_finite(&[self.statistic, self.looks_rad])
+            && self.held_variance >= 0.0
+            && past(self.held_onset)
+            && past(self.held_since)
+    }
+
+    /// Whether the filter knows a fault.
+    pub(crate) const fn holds(&self) -> bool {
+        self.largest_rad > 0.0
+    }
+
+    /// The hypothesis with the largest statistic, if one says anything yet, and that.
+    fn likeliest(&self) -> Option<(&Hypothesis, f64)> {
+        let mut likeliest = None;
+        let mut largest = 0.0;
+        for hypothesis in &self.hypotheses {
+            let Hypothesis { onset, correlation: a, information: c, .. } = *hypothesis;
+            let per_statistic = libm::sqrt(c) + self.looks_rad * c;
+            if onset.is_some() && magnitude(a) > largest * per_statistic {
+                largest = magnitude(a) / per_statistic;
+                likeliest = Some((hypothesis, largest));
+            }
+        }
+        likeliest
+    }
+}
+
+/// The test over onsets: what no sample changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OnsetTest {
+    threshold: f64,
+    estimate_factor: f64,
+    /// Samples between onsets, and age up to which they are that far apart.
+    spacings: [[u64; 2]; 2],
+    /// The first onset, the age of one that is taken in, and how long that speaks.
+    first: u64,
+    settled: u64,
+    known_for: u64,
+    /// What the bank at its bound looks like, rad, and a side force, rad/N.
+    bank_rad: f64,
+    by_force_rad_per_n: f64,
+    gust: Gust,
+}
+
+impl OnsetTest {
+    pub(crate) fn new(configuration: &Configuration, estimator: &Estimator) -> Self {
+        let Estimator { threshold, estimate_factor, .. } = *estimator;
+        let period_s = configuration.model.sampling_period_s;
+        let uncertainty = &configuration.deviations.uncertainty;
+        let gust = uncertainty.gust;
+        let v = configuration.model.vehicle;
+        let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
+        let axle = |per_tyre: f64| 2.0 * per_tyre * (l_f + l_r);
+        // Straight and steady: axle forces that hold a side force acting so far ahead.
+        let looks_rad_per_n = |ahead_m: f64| {
+            magnitude(
+                (l_r + ahead_m) / axle(v.front_cornering_stiffness_n_per_rad)
+                    - (l_f - ahead_m) / axle(v.rear_cornering_stiffness_n_per_rad),
+            )
+        };
+        let mut before = 1;
+        let spacings = SPACINGS_S.map(|[every_s, until_s]| {
+            // A multiple of the spacing before, so that some of its onsets can stay.
+            let every = ((every_s / period_s / before as f64 + 0.5) as u64).max(1) * before;
+            before = every;
+            [every, (until_s / period_s) as u64]
+        });
+        let samples = |time_s: f64| (time_s / period_s) as u64;
+        Self {
+            threshold,
+            estimate_factor,
+            spacings,
+            first: samples(KNOWN_S),
+            settled: samples(SETTLED_S),
+            known_for: samples(KNOWN_FOR_S),
+            bank_rad: v.mass_kg * looks_rad_per_n(0.0) * uncertainty.bank_m_per_s2,
+            by_force_rad_per_n: looks_rad_per_n(gust.acting_ahead_m),
+            gust,
+        }
+    }
+
+    /// The largest statistic over the threshold.
+    pub(crate) fn ratio(&self, onsets: &Onsets) -> f64 {
+        onsets.statistic / self.threshold
+    }
+
+    /// Whether the statistic speaks for a fault that is not taken in yet; `factor` on the threshold.
+    fn exceeds(&self, onsets: &Onsets, factor: f64) -> bool {
+        onsets.statistic >= factor * self.threshold
+    }
+
+    /// Whether something speaks for a fault: the statistic, or that the filter knows one. What is known for
+    /// longer than onsets are looked at bank and parameters might explain.
+    pub(crate) fn speaks(&self, onsets: &Onsets, factor: f64) -> bool {
+        let age = onsets.samples.saturating_sub(onsets.held_since);
+        let knows = onsets.holds() && age <= self.known_for;
+        knows || self.exceeds(onsets, factor)
+    }
+
+    /// Whether nothing does, and by some distance.
+    pub(crate) fn is_clear(&self, onsets: &Onsets, factor: f64) -> bool {
+        !self.speaks(onsets, factor * RELEASE)
+    }
+
+    /// What is known at a sample of the fault where the test has found one.
+    pub(crate) fn estimate(
+        &self,
+        onsets: &Onsets,
+        factor: f64,
+        sample: u64,
+    ) -> Option<FaultEstimate> {
+        let found = onsets.likeliest().filter(|_| self.exceeds(onsets, factor));
+        let (fault_rad, variance, onset) = match found {
+            Some((x, _)) => (
+                onsets.held_rad + x.correlation / x.information,
+                onsets.held_variance + 1.0 / x.information,
+                if onsets.holds() { onsets.held_onset } else { x.onset.unwrap_or_default() },
+            ),
+            None if onsets.holds() => (onsets.held_rad, onsets.held_variance, onsets.held_onset),
+            None => return None,
+        };
+        Some(FaultEstimate {
+            fault_rad,
+            bound_rad: self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad),
+            onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
+        })
+    }
+
+    /// Takes in what a measurement has said. Returns whether a fault that the filter knew is over, or the
+    /// filter lost: it starts anew then.
+    pub(crate) fn correct(
+        &self,
+        onsets: &mut Onsets,
+        filter: &mut Filter,
+        correction: &Correction,
+        factor: f64,
+    ) -> bool {
+        let [of_v_x, of_r] = correction.innovation;
+        for hypothesis in onsets.hypotheses.iter_mut().filter(|x| x.onset.is_some()) {
+            let [v_x, r] = correction.shown(&hypothesis.error);
+            hypothesis.correlation += v_x * of_v_x + r * of_r;
+            hypothesis.information += v_x * v_x + r * r;
+            correction.correct(&mut hypothesis.error, [-v_x, -r]);
+        }
+        onsets.looks_rad =
+            LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
+        let likeliest = onsets.likeliest().map(|(found, statistic)| (*found, statistic));
+        onsets.statistic = likeliest.map_or(0.0, |(_, statistic)| statistic);
+        let Some((found, _)) = likeliest.filter(|_| self.exceeds(onsets, factor)) else {
+            return false;
+        };
+        let Hypothesis { onset, correlation, information, .. } = found;
+        if magnitude(onsets.held_rad + correlation / information) > LARGEST_FAULT_RAD {
+            return true;
+        }
+        let age = onsets.samples.saturating_sub(onset.unwrap_or_default());
+        (age >= self.settled || self.exceeds(onsets, CLEAR * factor))
+            && self.take_in(onsets, filter, &found, factor)
+    }
+
+    /// Lets the filter know a fault. Returns whether this ends one that it knew.
+    fn take_in(
+        &self,
+        onsets: &mut Onsets,
+        filter: &mut Filter,
+        found: &Hypothesis,
+        factor: f64,
+    ) -> bool {
+        let Hypothesis { onset, error, correlation, information } = found;
+        let step = correlation / information;
+        for (x, error) in filter.x.iter_mut().zip(error) {
+            *x += step * error;
+        }
+        for (row, i) in filter.p.iter_mut().zip(error) {
+            for (p, j) in row.iter_mut().zip(error) {
+                *p += i * j / information;
+            }
+        }
+        let further = onsets.holds();
+        if !further {
+            onsets.held_onset = onset.unwrap_or_default();
+        }
+        onsets.held_since = onsets.samples;
+        onsets.held_rad += step;
+        onsets.held_variance += 1.0 / information;
+        let held = magnitude(onsets.held_rad);
+        onsets.largest_rad = onsets.largest_rad.max(held);
+        onsets.hypotheses = Onsets::NONE.hypotheses;
+        let uncertain = libm::sqrt(onsets.held_variance) + onsets.looks_rad;
+        let bound = factor * self.threshold * uncertain;
+        further && held <= bound.max(GONE * onsets.largest_rad)
+    }
+
+    /// Goes on to the next sample.
+    pub(crate) fn advance(&self, onsets: &mut Onsets, transition: &Transition) {
+        onsets.samples += 1;
+        let samples = onsets.samples;
+        for hypothesis in &mut onsets.hypotheses {
+            if let Some(onset) = hypothesis.onset {
+                if self.keeps(samples.saturating_sub(onset), onset) {
+                    transition.advance(&mut hypothesis.error);
+                } else {
+                    hypothesis.onset = None;
+                }
+            }
+        }
+        let [[every, _], ..] = self.spacings;
+        if samples >= self.first
+            && samples.is_multiple_of(every)
+            && let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none())
+        {
+            *free = Hypothesis { onset: Some(samples), ..Hypothesis::default() };
+        }
+    }
+
+    /// Whether an onset is looked at at this age. Not inlined, since the loop over onsets is unrolled.
+    #[inline(never)]
+    fn keeps(&self, age: u64, onset: u64) -> bool {
+        self.spacings.iter().any(|[every, until]| age <= *until && onset.is_multiple_of(*every))
+    }
+}

@@ -1,0 +1,275 @@
+"""The second test once more, in numpy: augmented Kalman filter and likelihood ratio over onsets (method 9).
+
+An independent statement, which the packaged FMU is compared with. The Jacobian is that of the slope by complex
+steps, gains and covariances are the textbook's.
+
+Conventions
+- State [v_x, v_y, r, bank, gust, mass, yaw inertia, front, rear, ratio, offset, yaw-rate bias, speed scale].
+- `samples` counts from the filter's start, at which neither innovation nor onset is looked at.
+- A hypothesis [onset, error, a, c]: a fault of 1 rad from `onset` on makes `error`; a / c explains most.
+"""
+
+import numpy as np
+
+GRAVITY = 9.80665
+V_X, V_Y, R, BANK, GUST, MASS, YAW_INERTIA, FRONT, REAR, RATIO, OFFSET, YAW_RATE_BIAS, SPEED_SCALE = range(13)
+STATES = 13
+LEARNED = [BANK, *range(MASS, STATES)]  # kept through a start
+BANK_WALK, WALK = 1.0, 0.017  # of a bound, which counts as a standard deviation, per root of s
+GUST_S = 0.5  # in which the gust walks by root 2 of its bound
+SLOPE_NOISE, FORCE_NOISE = 0.03, 0.02
+INITIAL_V_Y = 1.0
+LARGEST_ERROR = 0.5
+LOST, LOST_V_Y, LOST_R = 200.0, 50.0, 20.0
+SPACINGS_S = [(0.05, 0.5), (0.1, 1.0)]
+HYPOTHESES = 20
+KNOWN_FOR_S = 10.0
+LOOKS = 0.2  # of what bank and gust at their bounds look like
+KNOWN_S, SETTLED_S = 0.5, 0.3
+CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
+LARGEST_FAULT = 1.6
+
+
+class SecondTest:
+    """Of a vehicle (the design file's), its uncertainty (reference.Uncertainty) and the file's `estimator`."""
+
+    def __init__(self, vehicle, uncertainty, estimator, period):
+        self.vehicle, self.uncertainty, self.period = vehicle, uncertainty, period
+        self.threshold, self.estimate_factor = estimator["threshold"], estimator["estimate_factor"]
+        self.noise = np.square(estimator["noise"])
+        q = uncertainty
+        bounds = np.zeros(STATES)
+        bounds[LEARNED] = [
+            q.bank, q.mass, q.yaw_inertia, q.front, q.rear,
+            q.steering_ratio, q.steering_offset, q.yaw_rate_bias, q.v_x_scale,
+        ]  # fmt: skip
+        self.deviations = bounds
+        every, self.spacings = 1, []
+        for spacing, until in SPACINGS_S:
+            every *= max(int(spacing / period / every + 0.5), 1)
+            self.spacings.append((every, int(until / period)))
+        self.first, self.settled = int(KNOWN_S / period), int(SETTLED_S / period)
+        self.known_for = int(KNOWN_FOR_S / period)
+        self.forget()
+
+    def forget(self):
+        self.x, self.P = np.zeros(STATES), np.diag(self.deviations**2)
+        self.restart()
+
+    def restart(self):
+        """What has been learned of bank and parameters stays."""
+        self.samples, self.statistic, self.looks = 0, 0.0, 0.0
+        self.hypotheses = []
+        self.held = self.variance = self.largest = 0.0
+        self.held_onset = self.held_since = 0
+
+    def gust_force(self, v_x):
+        wind = self.uncertainty.gust_speed
+        return self.uncertainty.gust_coefficient * wind * np.sqrt(v_x**2 + wind**2)
+
+    def gust_variance(self, v_x):
+        return (self.gust_force(v_x) / self.vehicle["mass_kg"]) ** 2
+
+    def looks_like(self, force, ahead):
+        """The angle that a lasting side force, acting so far ahead, looks like, straight and steady."""
+        v = self.vehicle
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        on_axles = force * np.array([l_r + ahead, l_f - ahead]) / (l_f + l_r)
+        stiffnesses = [v["front_cornering_stiffness_n_per_rad"], v["rear_cornering_stiffness_n_per_rad"]]
+        slips = on_axles / (2 * np.array(stiffnesses))
+        return abs(slips[0] - slips[1])
+
+    def axle_forces(self, x, steering, loads):
+        v = self.vehicle
+        v_x = x[V_X] if x[V_X].real > 0.1 else 0.1
+        front = (1 + x[RATIO]) * steering + x[OFFSET]
+        front = front - (x[V_Y] + v["front_axle_distance_m"] * x[R]) / v_x
+        rear = (v["rear_axle_distance_m"] * x[R] - x[V_Y]) / v_x
+        return [
+            2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * front,
+            2 * v["rear_cornering_stiffness_n_per_rad"] * loads[1] * (1 + x[REAR]) * rear,
+        ]
+
+    def slope(self, x, u, fault, loads):
+        """d[v_x, v_y, r]/dt with the road wheel off by `fault`, whatever the ratio."""
+        v, q = self.vehicle, self.uncertainty
+        front, rear = self.axle_forces(x, u[1], loads)
+        front = front + 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * fault
+        mass, inertia = v["mass_kg"] * (1 + x[MASS]), v["yaw_inertia_kg_m2"] * (1 + x[YAW_INERTIA])
+        drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * x[V_X] ** 2
+        drag = v["lateral_drag_n_s2_per_m2"] * x[V_Y] ** 2
+        moment = v["front_axle_distance_m"] * front - v["rear_axle_distance_m"] * rear
+        by_gust = q.gust_ahead * v["mass_kg"] / v["yaw_inertia_kg_m2"] * x[GUST]
+        return np.array(
+            [
+                drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + x[MASS])) + x[V_Y] * x[R],
+                (front + rear - drag) / mass - x[V_X] * x[R] + x[BANK] + x[GUST],
+                moment / inertia + by_gust,
+            ]
+        )
+
+    def sample(self, y, u, behind, factor):
+        """Takes in a sample: measurement, input, the slowest actuator's lag in angle."""
+        starts = self.samples == 0
+        if not starts and not self._update(y, factor):
+            self.forget()
+            starts = True
+        if starts:
+            self._start(y)
+        self._predict(u, behind)
+
+    def _start(self, y):
+        kept = np.zeros(STATES)
+        kept[LEARNED] = 1
+        self.P = self.P * np.outer(kept, kept)
+        self.x[[V_X, V_Y, R, GUST]] = y[0] / (1 + self.x[SPEED_SCALE]), 0, y[1] - self.x[YAW_RATE_BIAS], 0
+        fresh = [self.noise[0], INITIAL_V_Y**2, self.noise[1], self.gust_variance(self.x[V_X])]
+        self.P[[V_X, V_Y, R, GUST], [V_X, V_Y, R, GUST]] = fresh
+
+    def _update(self, y, factor):
+        """Whether the filter goes on."""
+        H = np.zeros((2, STATES))
+        H[0, [V_X, SPEED_SCALE]] = 1 + self.x[SPEED_SCALE], self.x[V_X]
+        H[1, [R, YAW_RATE_BIAS]] = 1
+        shown = [(1 + self.x[SPEED_SCALE]) * self.x[V_X], self.x[R] + self.x[YAW_RATE_BIAS]]
+        innovation = y - shown
+        S = H @ self.P @ H.T + np.diag(self.noise)
+        size = innovation @ np.linalg.solve(S, innovation)
+        if not (size < LOST**2 and abs(self.x[V_Y]) < LOST_V_Y and abs(self.x[R]) < LOST_R):
+            return False
+        K = np.linalg.solve(S, H @ self.P).T
+        self.x = self.x + K @ innovation
+        self.P = self.P - K @ S @ K.T
+        self.P = (self.P + self.P.T) / 2
+        for hypothesis in self.hypotheses:
+            s = H @ hypothesis[1]
+            hypothesis[2] += s @ np.linalg.solve(S, innovation)
+            hypothesis[3] += s @ np.linalg.solve(S, s)
+            hypothesis[1] = hypothesis[1] - K @ s
+        q = self.uncertainty
+        by_bank = self.looks_like(self.vehicle["mass_kg"] * q.bank, 0.0)
+        self.looks = LOOKS * (by_bank + self.looks_like(self.gust_force(self.x[V_X]), q.gust_ahead))
+        found = self.likeliest()
+        self.statistic = 0.0 if found is None else self.statistic_of(found)
+        limit = factor * self.threshold
+        if self.statistic < limit:
+            return True
+        if abs(self.held + found[2] / found[3]) > LARGEST_FAULT:
+            return False
+        if self.samples - found[0] < self.settled and self.statistic < CLEAR * limit:
+            return True
+        return not self._take_in(found, limit)
+
+    def _take_in(self, found, limit):
+        """Whether this step ends a fault that was known."""
+        onset, error, a, c = found
+        self.x = self.x + a / c * error
+        self.P = self.P + np.outer(error, error) / c
+        further = self.largest > 0
+        if not further:
+            self.held_onset = onset
+        self.held_since = self.samples
+        self.held += a / c
+        self.variance += 1 / c
+        self.largest = max(self.largest, abs(self.held))
+        self.hypotheses = []
+        return further and abs(self.held) <= max(
+            limit * (np.sqrt(self.variance) + self.looks), GONE * self.largest
+        )
+
+    def _predict(self, u, behind):
+        v, q, t = self.vehicle, self.uncertainty, self.period
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        # No more is unknown than at first, and no parameter is off by more than half.
+        variances = np.diag(self.P)
+        scale = np.ones(STATES)
+        largest = self.deviations**2
+        largest[GUST] = self.gust_variance(max(self.x[V_X], 0.1))
+        excess = (np.arange(STATES) >= BANK) & (variances > largest)
+        scale[excess] = np.sqrt(largest[excess] / variances[excess])
+        self.P = self.P * np.outer(scale, scale)
+        self.x[MASS:OFFSET] = np.clip(self.x[MASS:OFFSET], -LARGEST_ERROR, LARGEST_ERROR)
+
+        drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * max(self.x[V_X], 0.1) ** 2
+        a_x = drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + self.x[MASS]))
+        moved = a_x * v["centre_of_gravity_height_m"] / GRAVITY
+        loads = [max(1 - moved / l_r, 0.1), max(1 + moved / l_f, 0.1)]
+        x, held = self.x, self.held
+        A = np.empty((3, STATES))
+        for k in range(STATES):
+            step = x.astype(complex)
+            step[k] += 1e-30j
+            A[:, k] = self.slope(step, u, held, loads).imag / 1e-30
+        by_fault = self.slope(x.astype(complex), u, held + 1e-30j, loads).imag / 1e-30
+        # The filter's steering offset and a fault act alike but for what the filter takes them for.
+        F = t * A[:, :3]
+        over = t * (np.eye(3) + F / 2 + F @ F / 6)
+        Phi = np.eye(STATES)
+        Phi[:3] += over @ A
+        forces = self.axle_forces(x, u[1], loads)
+        forces[0] += 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * held
+        self.x = x.copy()
+        self.x[:3] += over @ self.slope(x, u, held, loads)
+        self.P = Phi @ self.P @ Phi.T
+        self.P = (self.P + self.P.T) / 2
+        self.P += self._noise(x, forces, loads, behind)
+
+        self.samples += 1
+        self.hypotheses = [h for h in self.hypotheses if self._keeps(self.samples - h[0], h[0])]
+        for hypothesis in self.hypotheses:
+            hypothesis[1] = Phi @ hypothesis[1]
+            hypothesis[1][:3] += over @ by_fault
+        every, _ = self.spacings[0]
+        if self.samples >= self.first and self.samples % every == 0 and len(self.hypotheses) < HYPOTHESES:
+            self.hypotheses.append([self.samples, np.zeros(STATES), 0.0, 0.0])
+
+    def _noise(self, x, forces, loads, behind):
+        v, q, t = self.vehicle, self.uncertainty, self.period
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        mass, inertia = v["mass_kg"] * (1 + x[MASS]), v["yaw_inertia_kg_m2"] * (1 + x[YAW_INERTIA])
+        static = v["mass_kg"] * GRAVITY * np.array([l_r, l_f]) / (l_f + l_r)
+        intensities = []
+        for force, load, share in zip(forces, static, loads):
+            square = (force / (share * q.friction * load)) ** 2
+            missing = abs(force) * square * (35 + square) / (105 + 45 * square + square**2)
+            lasting = missing + abs(q.load_transfer * (share - 1) * force)
+            intensities.append((FORCE_NOISE * force) ** 2 + lasting**2)
+        stiffness = 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT])
+        intensities[0] += (stiffness * behind) ** 2
+        by_force = np.array([[0, 0], [1 / mass, 1 / mass], [l_f / inertia, -l_r / inertia]])
+        Q = np.zeros((STATES, STATES))
+        Q[:3, :3] = t * (SLOPE_NOISE**2 * np.eye(3) + by_force @ np.diag(intensities) @ by_force.T)
+        Q[BANK, BANK] = t * (BANK_WALK * q.bank) ** 2
+        Q[GUST, GUST] = t * 2 / GUST_S * self.gust_variance(max(x[V_X], 0.1))
+        for k in range(MASS, STATES):
+            Q[k, k] = t * (WALK * self.deviations[k]) ** 2
+        return Q
+
+    def _keeps(self, age, onset):
+        return any(age <= until and onset % every == 0 for every, until in self.spacings)
+
+    def likeliest(self):
+        found = [h for h in self.hypotheses if h[3] > 0]
+        return max(found, key=self.statistic_of, default=None)
+
+    def statistic_of(self, hypothesis):
+        _, _, a, c = hypothesis
+        return abs(a / c) / (1 / np.sqrt(c) + self.looks)
+
+    def speaks(self, factor):
+        known = self.largest > 0 and self.samples - self.held_since <= self.known_for
+        return known or self.statistic >= factor * self.threshold
+
+    def is_clear(self, factor):
+        return not self.speaks(RELEASE * factor)
+
+    def estimate(self, factor):
+        """Fault, its bound and the samples since its onset, or None."""
+        fault, variance, onset = self.held, self.variance, self.held_onset
+        known = self.largest > 0
+        if self.statistic >= factor * self.threshold and (found := self.likeliest()) is not None:
+            fault, variance = fault + found[2] / found[3], variance + 1 / found[3]
+            onset = onset if known else found[0]
+        elif not known:
+            return None
+        return fault, self.estimate_factor * (np.sqrt(variance) + self.looks), self.samples - onset

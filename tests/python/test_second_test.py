@@ -1,0 +1,32 @@
+"""The second test of the packaged detector against its statement in numpy, on recorded drives."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import SECOND_TEST
+from signals import INPUTS, OUTPUTS, assert_agree, expected
+
+RECORDED = Path(__file__).parents[1] / "replay" / "recorded" / "default"
+
+
+def drive(name):
+    table = np.loadtxt(RECORDED / f"{name}.inputs.csv", delimiter=",", skiprows=1)
+    return dict(zip(INPUTS, table.T, strict=True))
+
+
+@pytest.mark.parametrize("name", ["fault", "edges"])
+@pytest.mark.parametrize("factor", [1.0, 0.5])
+def test_recorded_drives(with_second_test, name, factor):
+    detector, reference = with_second_test
+    inputs = drive(name)
+    with detector.instance() as instance:
+        instance.initialise({"threshold_factor": factor})
+        found = instance.record(inputs, OUTPUTS, reference.period)
+    results = expected(reference, inputs, threshold_factor=factor)
+    assert_agree(found, results, inputs, reference.weights)
+    assert results["second_ratio"].max() > 0.5
+    if factor < 1:
+        # It finds what the residual does not, and says what.
+        assert SECOND_TEST in results["alarm_cause"]
+        assert np.abs(results["fault_estimate"]).max() > 1e-3
