@@ -11,7 +11,7 @@ use steerguard_designer::analysis::certificate::{check, error_dynamics};
 use steerguard_designer::lmi::matrix::matrix;
 use steerguard_designer::problem::inputs::Inputs;
 use steerguard_designer::spec::{
-    ActuatorTable, Calibration, Evaluation, Manoeuvre, OperatingRangeTable, ThresholdKind,
+    ActuatorTable, Calibration, Covers, Evaluation, Manoeuvre, OperatingRangeTable, ThresholdKind,
     UncertaintyTable,
 };
 use steerguard_designer::synthesis::gains::ObserverGains;
@@ -255,14 +255,15 @@ fn an_adaptive_threshold_scales_level_and_bound_by_what_uncertain_vehicles_need(
 
 #[test]
 fn an_adaptive_threshold_covers_what_a_search_finds() {
-    let adaptive = |search_drives, margin| {
+    let adaptive = |covers, margin| {
         let mut spec = Spec { uncertainty: UncertaintyTable::default(), ..spec() };
         spec.evaluation.threshold = ThresholdKind::Adaptive;
         spec.evaluation.margin = margin;
-        spec.evaluation.calibration.search_drives = search_drives;
+        spec.evaluation.covers = covers;
+        spec.evaluation.calibration.search_drives = 200;
         designed(&spec).unwrap()
     };
-    let design = adaptive(200, 1.05);
+    let design = adaptive(Covers::WorstCase, 1.05);
     let (e, causes) = (&design.detector.evaluation, &design.threshold);
     let names: Vec<&str> = causes.searched.iter().map(|found| found.family.as_str()).collect();
     assert_eq!(names, ["any_course", "friction"]);
@@ -274,10 +275,15 @@ fn an_adaptive_threshold_covers_what_a_search_finds() {
     near(e.threshold, 1.05 * found * level.level, 1e-15);
 
     // What was found is covered as far as the whole bound goes.
-    let whole = adaptive(200, 2.0 / found);
+    let whole = adaptive(Covers::WorstCase, 2.0 / found);
     assert_eq!(whole.threshold.searched, causes.searched);
     let random = whole.threshold.uncertain.as_ref().unwrap().level;
     near(whole.detector.evaluation.uncertainty_share, f64::max(1.0, 2.0 / found * random), 1e-15);
+
+    // Where random drives decide, it is stated all the same.
+    let random = adaptive(Covers::RandomDrives, 1.05);
+    assert_eq!(random.threshold.searched, causes.searched);
+    near(random.detector.evaluation.uncertainty_share, 1.05 * ratio.level, 1e-15);
 }
 
 /// What people are shown cause by cause is what the detector settles at.

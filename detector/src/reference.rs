@@ -25,7 +25,7 @@ use crate::{Measurement, Vehicle, VehicleState};
 pub const MOTIONS: usize = 3;
 
 /// Share of the critical speed from which on motions are drawn to the measured yaw rate.
-const DRAWN_FROM: f64 = 0.8;
+const DRAWN_FROM: f64 = 0.6;
 /// How fast at the critical speed and beyond, 1/s.
 const DRAW_PER_S: f64 = 15.0;
 

@@ -52,7 +52,7 @@ LARGEST_ESTIMATE = 1e9
 NO_ALARM_TIME = -1.0
 GRAVITY = 9.80665
 ACCELERATION_FILTER_S = 0.15
-DRAWN_FROM, DRAW_PER_S = 0.8, 15.0  # of reference motions, by the critical speed
+DRAWN_FROM, DRAW_PER_S = 0.6, 15.0  # of reference motions, by the critical speed
 RELEASE = 0.8
 
 

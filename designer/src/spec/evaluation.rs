@@ -35,6 +35,8 @@ pub struct Evaluation {
     /// drives; of kind "guaranteed" the proven bound plus the simulated discretisation, so that it
     /// stands for what neither holds, such as other vehicle data; default 1.1.
     pub margin: f64,
+    /// What the threshold of kind "adaptive" stays above; default "random_drives".
+    pub covers: Covers,
     /// Consecutive samples above the threshold that raise the alarm; default 1.
     pub debounce_samples: u32,
     /// Time of monitoring with J well below the threshold that ends an alarm; default 1.
@@ -52,6 +54,7 @@ impl Default for Evaluation {
             threshold: ThresholdKind::Adaptive,
             constant: None,
             margin: 1.1,
+            covers: Covers::RandomDrives,
             debounce_samples: 1,
             alarm_hold_s: 1.0,
             calibration: Calibration::default(),
@@ -77,6 +80,16 @@ pub enum ThresholdKind {
     Guaranteed,
 }
 
+/// What a threshold stays above, with its margin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Covers {
+    /// The calibration's drives, of vehicles drawn at random.
+    RandomDrives,
+    /// What a short search for the worst drive finds too.
+    WorstCase,
+}
+
 impl Evaluation {
     /// Finds what is not possible by itself.
     pub(super) fn check(&self, mistakes: &mut Mistakes) {
@@ -98,6 +111,27 @@ impl Evaluation {
         let hold_s = Allowed::between(0.0, 3600.0);
         mistakes.number("evaluation.alarm_hold_s", self.alarm_hold_s, hold_s);
         self.calibration.check(mistakes);
+        self.check_covers(mistakes);
+    }
+
+    /// Finds a worst case that is to be covered and is not searched.
+    fn check_covers(&self, mistakes: &mut Mistakes) {
+        let [key, drives] = ["evaluation.covers", "evaluation.calibration.search_drives"];
+        if self.covers == Covers::WorstCase
+            && [key, drives].into_iter().all(|key| mistakes.sound(key))
+        {
+            let adaptive = self.threshold == ThresholdKind::Adaptive;
+            mistakes.unless(adaptive, || {
+                Mistake::value(key, "worst_case", "\"random_drives\"")
+                    .help("only the threshold \"adaptive\" can cover what a search finds")
+                    .because_of("evaluation.threshold")
+            });
+            mistakes.unless(!adaptive || self.calibration.search_drives > 0, || {
+                Mistake::value(key, "worst_case", "\"random_drives\" where nothing is searched")
+                    .help("give the search drives, 500 for instance")
+                    .because_of(drives)
+            });
+        }
     }
 
     fn check_window(&self, mistakes: &mut Mistakes) {

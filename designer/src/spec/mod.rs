@@ -34,7 +34,7 @@ pub use calibration::{Calibration, Manoeuvre};
 pub use design::{Method, MethodName, MultiplierV, VName};
 pub use disturbance::Disturbance;
 pub use estimator::EstimatorTable;
-pub use evaluation::{Evaluation, ThresholdKind};
+pub use evaluation::{Covers, Evaluation, ThresholdKind};
 pub use fault::Fault;
 pub use noise::{Noise, SpeedNoise, YawRateNoise};
 pub use operating_range::OperatingRangeTable;

@@ -145,11 +145,12 @@ pub fn threshold(
             let Levels { j: ratio, second: at_random } =
                 largest(spec, &bounded, Population::Uncertain, progress)?;
             progress(Step::Worst);
-            let searched = searched(spec, &bounded, Objective::Residual)?;
+            let drives = e.calibration.search_drives;
+            let searched = searched(spec, &bounded, Objective::Residual, drives)?;
             let second = at_random
                 .map(|at_random| SecondLevels::of(spec, &bounded, at_random))
                 .transpose()?;
-            let factor = e.margin * covered(&ratio, &searched, e.margin);
+            let factor = e.margin * covered(&ratio, &searched, e.margin, e.covers);
             Ok(Threshold {
                 uncertainty_share: factor,
                 calibration: Some(level.clone()),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use steerguard_detector::{Configuration, ConfigurationError};
 
-use crate::spec::Spec;
+use crate::spec::{Covers, Spec};
 use crate::threshold::calibration::Level;
 use crate::worst::{Family, Objective, Search, worst};
 
@@ -22,11 +22,18 @@ pub struct Searched {
     pub drives: u64,
 }
 
-/// The J/J_th that share and level cover, before their margin: the largest of drives at random, and of what a
-/// search found as far as the whole bound, with the margin, goes.
-pub fn covered(at_random: &Level, searched: &[Searched], margin: f64) -> f64 {
-    let found = searched.iter().map(|found| found.level).fold(0.0, f64::max);
-    at_random.level.max(found.min(1.0 / margin))
+/// The largest that a search found; 0 of none.
+pub fn largest(searched: &[Searched]) -> f64 {
+    searched.iter().map(|found| found.level).fold(0.0, f64::max)
+}
+
+/// The J/J_th that share and level cover, before their `margin`: the largest of drives at random, and, where
+/// it is to be covered, of what a search found, as far as the whole bound goes with the margin.
+pub fn covered(at_random: &Level, searched: &[Searched], margin: f64, covers: Covers) -> f64 {
+    match covers {
+        Covers::RandomDrives => at_random.level,
+        Covers::WorstCase => at_random.level.max(largest(searched).min(1.0 / margin)),
+    }
 }
 
 /// The families that the others are parts of: bank and wind of any course, and all that `spec` states.
@@ -37,8 +44,8 @@ fn families(spec: &Spec) -> Vec<Family> {
     families
 }
 
-/// The largest ratio by `objective` of the detector with `configuration` that is found in as many drives of
-/// each of the widest families as `spec` asks for.
+/// The largest ratio by `objective` of the detector with `configuration` that is found in so many `drives` of
+/// each of the widest families.
 ///
 /// # Errors
 /// [`ConfigurationError`] where the detector cannot run with `configuration`.
@@ -46,12 +53,12 @@ pub fn searched(
     spec: &Spec,
     configuration: &Configuration,
     objective: Objective,
+    drives: u64,
 ) -> Result<Vec<Searched>, ConfigurationError> {
-    let budget = spec.evaluation.calibration.search_drives;
-    if budget == 0 {
+    if drives == 0 {
         return Ok(Vec::new());
     }
-    let search = Search { objective, budget, seed: SEED };
+    let search = Search { objective, budget: drives, seed: SEED };
     let found = worst(spec, configuration, &families(spec), search, &|_| ())?;
     let of_family = found.iter().map(|found| Searched {
         family: found.family.name().to_owned(),

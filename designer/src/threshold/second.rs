@@ -8,6 +8,9 @@ use crate::threshold::calibration::Level;
 use crate::threshold::searched::{Searched, searched};
 use crate::worst::{Objective, UNREACHED};
 
+/// Drives of a family over those of the search for the residual's worst: this statistic's lie further apart.
+const FURTHER: u64 = 4;
+
 /// The largest statistics of the second test without a fault.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,8 +35,9 @@ impl SecondLevels {
         configuration: &Configuration,
         (calibration, in_99_of_100): (Level, f64),
     ) -> Result<Self, ConfigurationError> {
+        let drives = FURTHER * spec.evaluation.calibration.search_drives;
         let statistic = |ratio: f64| UNREACHED * ratio;
-        let search = searched(spec, configuration, Objective::Second)?.into_iter();
+        let search = searched(spec, configuration, Objective::Second, drives)?.into_iter();
         Ok(Self {
             calibration: Level { level: statistic(calibration.level), ..calibration },
             in_99_of_100: statistic(in_99_of_100),

@@ -51,7 +51,10 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
         "adaptive" => {
             let [level, ratio] = levels.map(|level| level.map_or(f64::NAN, |level| level.level));
             let found = causes.searched.iter().map(|found| found.level).fold(0.0, f64::max);
-            let ratio = f64::max(ratio, found.min(1.0 / margin));
+            let ratio = match specified.covers.as_str() {
+                "worst_case" => f64::max(ratio, found.min(1.0 / margin)),
+                _ => ratio,
+            };
             ([true, true, false], [margin * ratio * level, margin * ratio])
         }
         "guaranteed" => {

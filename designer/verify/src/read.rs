@@ -141,6 +141,7 @@ pub struct EvaluationOfSpec {
     /// Of kind "constant".
     pub constant: Option<f64>,
     pub margin: f64,
+    pub covers: String,
     pub debounce_samples: f64,
     pub alarm_hold_s: f64,
     pub calibration: Calibration,

@@ -146,17 +146,19 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
             ));
         }
     }
+    let found = |key: &str, Searched { family, level, drives }: &Searched| {
+        format!(
+            "`threshold.{key}`, family `{family}`: {level}, the largest that a search of {drives} drives found"
+        )
+    };
+    unchecked.extend(threshold.searched.iter().map(|of_family| found("searched", of_family)));
     if let Some(levels) = &threshold.second {
         unchecked.push(format!(
             "`threshold.second.in_99_of_100`: {}, what 99 of 100 of these drives stay below",
             levels.in_99_of_100
         ));
-        unchecked.extend(levels.search.iter().map(|Searched { family, level, drives }| {
-            format!(
-                "`threshold.second.search`, family `{family}`: {level}, the largest that a search of \
-                 {drives} drives found"
-            )
-        }));
+        let of_families = levels.search.iter();
+        unchecked.extend(of_families.map(|of_family| found("second.search", of_family)));
     }
     if let Some(sight) = &design.performance.sight {
         let (mut seen, mut straight) = (0, 0);

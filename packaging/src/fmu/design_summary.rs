@@ -75,7 +75,7 @@ impl Record {
     pub fn of(design: &Design) -> Self {
         let second = Second::of(design).sentences(design.threshold.margin);
         Self {
-            causes: causes(&design.threshold),
+            causes: causes(design),
             second: second.map_or(Vec::new(), |(_, sentences)| sentences),
             sight: design.performance.sight.clone(),
         }
@@ -140,7 +140,7 @@ impl DesignSummary {
             smallest_fault_j: performance.smallest_fault_residual,
             threshold_margin: design.threshold.margin,
             threshold_kind: design.threshold.kind,
-            threshold_causes: causes(&design.threshold),
+            threshold_causes: causes(design),
             threshold_by_cause: by_cause(&design.detector),
             second: Second::of(design),
             sight: performance.sight.clone(),
@@ -247,30 +247,27 @@ impl DesignSummary {
     }
 }
 
-/// The shares of the threshold's level.
-pub fn causes(threshold: &ThresholdRecord) -> Vec<Cause> {
+/// The shares of the threshold's level, and what a search found of it.
+pub fn causes(design: &Design) -> Vec<Cause> {
+    let threshold = &design.threshold;
     let mut causes = Vec::new();
     match (&threshold.calibration, &threshold.uncertain) {
         (Some(level), Some(ratio)) => {
-            let share = searched::covered(ratio, &threshold.searched, threshold.margin);
+            let covers = design.spec.evaluation.covers;
+            let share = searched::covered(ratio, &threshold.searched, threshold.margin, covers);
             let cause =
                 format!("noise and disturbances: {share:.3} x {} of the vehicle", largest(level));
             causes.push(Cause { cause, j: Some(share * level.level) });
-            let at_random = surely_largest(ratio);
-            let covered = if threshold.searched.is_empty() {
-                format!("which is J / J_th of {at_random}")
-            } else {
-                let drives: u64 = threshold.searched.iter().map(|found| found.drives).sum();
-                let found = threshold.searched.iter().map(|found| found.level).fold(0.0, f64::max);
-                format!(
-                    "where J / J_th is {found:.3} in the worst fault-free drive that a search of {drives} \
-                     found, and {:.3} in {at_random}",
-                    ratio.level
-                )
-            };
-            let cause =
-                format!("what is uncertain, at this sample: {share:.3} x its bound, {covered}");
+            let cause = format!(
+                "what is uncertain, at this sample: {share:.3} x its bound; J / J_th is {:.3} in {}",
+                ratio.level / (threshold.margin * share),
+                surely_largest(ratio)
+            );
             causes.push(Cause { cause, j: None });
+            if !threshold.searched.is_empty() {
+                let cause = found_by_search(threshold, threshold.margin * share);
+                causes.push(Cause { cause, j: None });
+            }
         }
         (Some(level), None) => {
             causes.push(Cause { cause: surely_largest(level), j: Some(level.level) });
@@ -288,6 +285,21 @@ pub fn causes(threshold: &ThresholdRecord) -> Vec<Cause> {
         causes.push(Cause { cause, j: Some(level.level) });
     }
     causes
+}
+
+/// What a search found of a threshold with so much of level and bound.
+fn found_by_search(threshold: &ThresholdRecord, share: f64) -> String {
+    let drives: u64 = threshold.searched.iter().map(|found| found.drives).sum();
+    let ratio = searched::largest(&threshold.searched) / share;
+    let mut found = format!(
+        "J / J_th is {ratio:.3} in the worst fault-free drive that a search of {drives} found"
+    );
+    if ratio > 1.0 && share < 1.0 {
+        found += ", which evaluation.covers = \"worst_case\" would cover";
+    } else if ratio > 1.0 {
+        found += ", more than the whole bound, which is one to first order only";
+    }
+    found
 }
 
 fn largest(level: &Level) -> String {

@@ -15,7 +15,7 @@
 #define ACCELERATION_FILTER 0.15
 /* Reference motions are drawn to the measured yaw rate from this share of the critical speed on, at that
  * speed this fast. */
-#define DRAWN_FROM 0.8
+#define DRAWN_FROM 0.6
 #define DRAW 15.0
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
