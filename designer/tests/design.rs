@@ -260,14 +260,14 @@ fn an_adaptive_threshold_covers_what_a_search_finds() {
         spec.evaluation.threshold = ThresholdKind::Adaptive;
         spec.evaluation.margin = margin;
         spec.evaluation.covers = covers;
-        spec.evaluation.calibration.search_drives = 200;
+        spec.evaluation.calibration.search_drives = 400;
         designed(&spec).unwrap()
     };
     let design = adaptive(Covers::WorstCase, 1.05);
     let (e, causes) = (&design.detector.evaluation, &design.threshold);
     let names: Vec<&str> = causes.searched.iter().map(|found| found.family.as_str()).collect();
     assert_eq!(names, ["any_course", "friction"]);
-    assert!(causes.searched.iter().all(|found| (1..=200).contains(&found.drives)));
+    assert!(causes.searched.iter().all(|found| (1..=400).contains(&found.drives)));
     let found = causes.searched.iter().map(|found| found.level).fold(0.0, f64::max);
     let (level, ratio) = (causes.calibration.as_ref().unwrap(), causes.uncertain.as_ref().unwrap());
     assert!(found > ratio.level && found < 1.0 / 1.05, "{found}, at random {}", ratio.level);

@@ -315,8 +315,8 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
         ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
         (
-            "evaluation.calibration.search_drives = 199",
-            &["`evaluation.calibration.search_drives` = 199", "0, or from 200 to 1000000 drives"],
+            "evaluation.calibration.search_drives = 399",
+            &["`evaluation.calibration.search_drives` = 399", "0, or from 400 to 1000000 drives"],
         ),
         (
             "evaluation.covers = 'worst_case'\nevaluation.calibration.search_drives = 0",

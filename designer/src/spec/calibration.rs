@@ -9,7 +9,7 @@ use crate::document::{Allowed, Mistake, Mistakes};
 /// Most drives.
 const MOST_DRIVES: usize = 100_000;
 /// Drives of a family that make a search.
-const SEARCH_DRIVES: RangeInclusive<u64> = 200..=1_000_000;
+const SEARCH_DRIVES: RangeInclusive<u64> = 400..=1_000_000;
 /// Initial lateral speeds where none are stated, m/s.
 const INITIAL_V_Y_M_PER_S: [f64; 3] = [-1.0, 0.0, 1.0];
 

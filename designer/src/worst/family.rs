@@ -141,27 +141,24 @@ impl Family {
 
     /// The points of drives that one would try first: heavy vehicles that oversteer or understeer as much as
     /// stated, braked from the lowest or the highest speed in a turn, while bank and wind push into the turn
-    /// or out of it; what a key states at its upper end.
+    /// or out of it, with what a key states at an end.
     pub fn suspects(self, spec: &Spec) -> Vec<Vec<f64>> {
-        const ENDS: [f64; 2] = [-FRAC_PI_2, FRAC_PI_2];
         let mut point = Point::of(&[]);
         self.read(spec, &mut point, 0);
-        let mut suspects = Vec::new();
-        for front_stiffness in ENDS {
-            for speed in ENDS {
-                for aside in ENDS {
-                    let factors = [FRAC_PI_2, 0.0, front_stiffness, -front_stiffness];
-                    // Slope, and when that begins and ends.
-                    let braking = [-FRAC_PI_2, 0.0, FRAC_PI_2];
-                    let mut suspect = [&factors[..], &[speed], &braking].concat();
-                    suspect.resize(point.at_road, FRAC_PI_2);
-                    suspect.resize(point.at_keys, aside);
-                    suspect.resize(point.next, FRAC_PI_2);
-                    suspects.push(suspect);
-                }
-            }
-        }
-        suspects
+        let suspect = |number: u32| {
+            let end = |bit: u32| if (number >> bit) & 1 == 1 { FRAC_PI_2 } else { -FRAC_PI_2 };
+            let [front_stiffness, speed, aside, key] = [0, 1, 2, 3].map(end);
+            let factors = [FRAC_PI_2, 0.0, front_stiffness, -front_stiffness];
+            // Slope, and when that begins and ends.
+            let braking = [-FRAC_PI_2, 0.0, FRAC_PI_2];
+            let mut suspect = [&factors[..], &[speed], &braking].concat();
+            suspect.resize(point.at_road, FRAC_PI_2);
+            suspect.resize(point.at_keys, aside);
+            suspect.resize(point.next, key);
+            suspect
+        };
+        // Families without keys have each of these once.
+        (0..if point.next > point.at_keys { 16 } else { 8 }).map(suspect).collect()
     }
 
     /// Reads a drive; what other families have too comes first, what only some have last.
