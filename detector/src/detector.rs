@@ -259,8 +259,8 @@ impl Detector {
             estimator,
         } = *configuration;
         let second = estimator.map(|estimator| SecondTest {
-            kalman: Kalman::new(configuration, &estimator),
-            test: OnsetTest::new(configuration, &estimator),
+            kalman: Kalman::new(&model, &deviations.uncertainty, &estimator),
+            test: OnsetTest::new(&model, &deviations.uncertainty, &estimator),
         });
         let observer = Observer::new(model, gains);
         let references = deviations.uncertainty.references(&model.vehicle, model.sampling_period_s);

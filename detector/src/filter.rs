@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::{all_finite, magnitude, product};
 use crate::axles::deficit;
-use crate::{Configuration, Gust, Measurement, Place, StateVector, Vehicle};
+use crate::{Gust, Measurement, Place, StateVector, TsModel, Uncertainty, Vehicle};
 
 /// States of the filter.
 pub const STATES: usize = 13;
@@ -180,10 +180,9 @@ pub(crate) struct Kalman {
 }
 
 impl Kalman {
-    /// That of a detector's configuration.
-    pub(crate) fn new(configuration: &Configuration, estimator: &Estimator) -> Self {
-        let vehicle = configuration.model.vehicle;
-        let u = &configuration.deviations.uncertainty;
+    /// That of a model with what is uncertain of it.
+    pub(crate) fn new(model: &TsModel, u: &Uncertainty, estimator: &Estimator) -> Self {
+        let vehicle = model.vehicle;
         let mut deviations = [0.0; STATES];
         deviations[BANK] = u.bank_m_per_s2;
         deviations[MASS] = u.mass;
@@ -200,7 +199,7 @@ impl Kalman {
             gust: u.gust,
             held_n: u.held_n(&vehicle).unwrap_or([f64::INFINITY; 2]),
             load_transfer: u.load_transfer,
-            period_s: configuration.model.sampling_period_s,
+            period_s: model.sampling_period_s,
             noise: estimator.noise,
             deviations,
             states: if more { STATES } else { ALWAYS },

@@ -15,7 +15,7 @@
 
 use crate::algebra::{all_finite, magnitude};
 use crate::filter::{Correction, STATES, Transition};
-use crate::{Configuration, Estimator, Filter, Gust, RELEASE};
+use crate::{Estimator, Filter, Gust, RELEASE, TsModel, Uncertainty};
 
 /// Onsets that are looked at, at most.
 pub const HYPOTHESES: usize = 20;
@@ -157,12 +157,10 @@ pub(crate) struct OnsetTest {
 }
 
 impl OnsetTest {
-    pub(crate) fn new(configuration: &Configuration, estimator: &Estimator) -> Self {
+    pub(crate) fn new(model: &TsModel, uncertainty: &Uncertainty, estimator: &Estimator) -> Self {
         let Estimator { threshold, estimate_factor, .. } = *estimator;
-        let period_s = configuration.model.sampling_period_s;
-        let uncertainty = &configuration.deviations.uncertainty;
+        let TsModel { vehicle: v, sampling_period_s: period_s, .. } = *model;
         let gust = uncertainty.gust;
-        let v = configuration.model.vehicle;
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
         let axle = |per_tyre: f64| 2.0 * per_tyre * (l_f + l_r);
         // Straight and steady: axle forces that hold a side force acting so far ahead.

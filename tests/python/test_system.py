@@ -26,6 +26,7 @@ from reference import MONITORING, OUT_OF_RANGE
 PARAMETERS = "resources/SteeringFaultSystem.ssv"
 SYSTEM_INPUTS = ["u.T_eng", "u.delta", "fault", "disturbance.side_force", "disturbance.yaw_moment"]
 SYSTEM_OUTPUTS = ["residual.v_x", "residual.r", "J_rms", "J_th", "alarm", "state"]
+SYSTEM_OUTPUTS += ["fault_estimate", "fault_estimate_bound"]
 NAMES = ["SteeringFaultDetector", "VehiclePlant"]
 
 

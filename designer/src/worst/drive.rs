@@ -12,7 +12,7 @@ use steerguard_world::{
 
 use crate::simulation::{Acting, Driving, Sampled, Simulation, Surroundings};
 use crate::spec::Spec;
-use crate::worst::Judge;
+use crate::worst::judge::Judge;
 
 /// A fault-free drive.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,8 @@
 use std::fmt::Write as _;
 
 use steerguard_detector::{
-    Actuator, Configuration, ConfigurationError, Detector, Input, Output, Vehicle, VehicleState,
+    Actuator, Configuration, ConfigurationError, Detector, FaultEstimate, Input, Output, Vehicle,
+    VehicleState,
 };
 use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World};
 
@@ -29,8 +30,16 @@ const PLANT_INPUTS: [&str; 5] =
     ["u.T_eng", "u.delta", "fault", "disturbance.side_force", "disturbance.yaw_moment"];
 const PLANT_OUTPUTS: [&str; 6] = ["v_x", "r", "true.v_x", "true.v_y", "true.r", "true.delta"];
 const DETECTOR_INPUTS: [&str; 4] = ["v_x", "r", "u.T_eng", "u.delta"];
-const DETECTOR_OUTPUTS: [&str; 6] =
-    ["residual.v_x", "residual.r", "J_rms", "J_th", "alarm", "state"];
+const DETECTOR_OUTPUTS: [&str; 8] = [
+    "residual.v_x",
+    "residual.r",
+    "J_rms",
+    "J_th",
+    "alarm",
+    "state",
+    "fault_estimate",
+    "fault_estimate_bound",
+];
 
 /// The two files, by what follows the model's name in theirs.
 pub type Files = [(&'static str, String); 2];
@@ -165,10 +174,12 @@ fn drive(
     rows
 }
 
-fn results(output: &Output) -> [f64; 6] {
-    let [v_x, r] = output.residual.vector();
-    let state = f64::from(steerguard_fmu::state(output.monitor).value());
-    [v_x, r, output.j_rms, output.j_th, f64::from(u8::from(output.alarm)), state]
+fn results(output: &Output) -> [f64; 8] {
+    let Output { residual, j_rms, j_th, alarm, monitor, estimate, .. } = *output;
+    let [v_x, r] = residual.vector();
+    let state = f64::from(steerguard_fmu::state(monitor).value());
+    let FaultEstimate { fault_rad, bound_rad, .. } = estimate.unwrap_or_default();
+    [v_x, r, j_rms, j_th, f64::from(u8::from(alarm)), state, fault_rad, bound_rad]
 }
 
 /// The first line of a table.

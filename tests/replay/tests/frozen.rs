@@ -20,7 +20,7 @@ fn outputs(trace: &Trace) -> Vec<Output> {
 #[test]
 fn every_output_of_every_sample_is_as_stored() {
     let traces = traces();
-    let configurations = ["compact", "default", "every_deviation", "paper", "van"];
+    let configurations = ["compact", "default", "every_deviation", "paper", "second", "van"];
     for (trace, expected) in traces.iter().step_by(2).zip(configurations) {
         assert_eq!(trace.configuration_name, expected);
     }
