@@ -20,7 +20,7 @@
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 typedef enum {
-    V_X, R, T_ENG, DELTA, RESIDUAL_V_X = 5, RESIDUAL_R, J_RMS, J_TH, DETECTABILITY = 13
+    V_X, R, T_ENG, DELTA, RESIDUAL_V_X = 5, RESIDUAL_R, J_RMS, J_TH, DETECTABILITY = 15
 } ValueReference;
 /* Causes, in the order of the detector's: along the reference motions, wherever the vehicle is, and on the
  * measurement. */
