@@ -260,7 +260,7 @@ fn a_design_is_made_anew_from_the_specification_inside_an_old_one() {
     let few = json!({
         "speeds": 1, "manoeuvres": ["straight"], "lateral_acceleration_m_per_s2": [1.0],
         "disturbance_frequencies": 1, "disturbance_phases": 1, "initial_v_y_m_per_s": [0.0],
-        "duration_s": 2.0, "steering_rate_rad_per_s": 0.3,
+        "duration_s": 2.0, "steering_rate_rad_per_s": 0.3, "search_drives": 0,
     });
     set(&mut old, "/spec/evaluation/calibration", few.clone());
     set(&mut old, "/spec/design/method", json!("paper"));

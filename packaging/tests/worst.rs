@@ -37,7 +37,7 @@ const SPECIFICATION: &str = "
     disturbance_frequencies = 1
     disturbance_phases = 1
     initial_v_y_m_per_s = [0]
-    search_drives = 0
+    search_drives = 400
 ";
 
 /// A search of the design in `folder`.

@@ -38,6 +38,13 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     same("threshold.kind", &causes.kind, &specified.threshold)?;
     same("threshold.margin", &causes.margin, &specified.margin)?;
 
+    match (specified.covers.as_str(), causes.kind.as_str()) {
+        ("random_drives", _) | ("worst_case", "adaptive") => {}
+        (found, kind) => {
+            return Err(Refusal::Covers { found: found.into(), kind: kind.into() });
+        }
+    }
+
     let levels = [&causes.calibration, &causes.uncertain].map(|level| level.as_ref());
     let guaranteed = causes.guaranteed.as_ref();
     let present = [levels[0].is_some(), levels[1].is_some(), guaranteed.is_some()];

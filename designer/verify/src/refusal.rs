@@ -64,6 +64,16 @@ pub enum Refusal {
         /// What the file says.
         found: String,
     },
+    /// What the threshold is to cover is nothing that its kind can.
+    #[error(
+        "`spec.evaluation.covers` = \"{found}\" is nothing that a threshold of kind \"{kind}\" can cover"
+    )]
+    Covers {
+        /// What the file says.
+        found: String,
+        /// The kind.
+        kind: String,
+    },
     /// What a kind of threshold rests on is missing.
     #[error("`{key}` is null: a threshold of kind \"{kind}\" rests on it")]
     NoCause {
