@@ -221,7 +221,7 @@ impl OnsetTest {
         factor: f64,
         sample: u64,
     ) -> Option<FaultEstimate> {
-        let found = onsets.likeliest().filter(|_| self.exceeds(onsets, factor));
+        let found = if self.exceeds(onsets, factor) { onsets.likeliest() } else { None };
         let (fault_rad, variance, onset) = match found {
             Some((x, _)) => (
                 onsets.held_rad + x.correlation / x.information,

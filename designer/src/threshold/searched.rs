@@ -27,6 +27,11 @@ pub fn largest(searched: &[Searched]) -> f64 {
     searched.iter().map(|found| found.level).fold(0.0, f64::max)
 }
 
+/// Drives that a search took.
+pub fn drives(searched: &[Searched]) -> u64 {
+    searched.iter().map(|found| found.drives).sum()
+}
+
 /// The J/J_th that share and level cover, before their `margin`: the largest of drives at random, and, where
 /// it is to be covered, of what a search found, as far as the whole bound goes with the margin.
 pub fn covered(at_random: &Level, searched: &[Searched], margin: f64, covers: Covers) -> f64 {

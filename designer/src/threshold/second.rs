@@ -5,7 +5,7 @@ use steerguard_detector::{Configuration, ConfigurationError};
 
 use crate::spec::Spec;
 use crate::threshold::calibration::Level;
-use crate::threshold::searched::{Searched, searched};
+use crate::threshold::searched::{Searched, largest, searched};
 use crate::worst::{Objective, UNREACHED};
 
 /// Drives of a family over those of the search for the residual's worst: this statistic's lie further apart.
@@ -47,6 +47,6 @@ impl SecondLevels {
 
     /// The largest of all.
     pub fn largest(&self) -> f64 {
-        self.search.iter().map(|of_family| of_family.level).fold(self.calibration.level, f64::max)
+        self.calibration.level.max(largest(&self.search))
     }
 }

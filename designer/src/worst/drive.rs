@@ -108,24 +108,18 @@ impl Drive {
     /// holds; and the yaw rate is not beyond `mu g / v_x`, at which no road bends the path as fast as the
     /// vehicle turns (Rajamani 2012, 8.3).
     fn holds(&self, state: &State, torque_n_m: f64, largest_friction: f64) -> bool {
-        let friction = match self.tyres {
-            Tyres::Saturating { friction } => friction,
-            Tyres::Linear => largest_friction,
-        };
         let v_x = state.motion.v_x_m_per_s;
-        if (v_x * state.motion.r_rad_per_s).abs() > friction * GRAVITY_M_PER_S2 {
-            return false;
-        }
-        if self.tyres == Tyres::Linear {
-            return true;
-        }
+        let follows =
+            |friction: f64| (v_x * state.motion.r_rad_per_s).abs() <= friction * GRAVITY_M_PER_S2;
+        let Tyres::Saturating { friction } = self.tyres else { return follows(largest_friction) };
         let a_x = (torque_n_m - self.vehicle.cruise_torque(v_x))
             / self.vehicle.effective_longitudinal_inertia_kg_m;
         let vehicle = TrueVehicle { data: self.vehicle, tyres: self.tyres };
         let forces = vehicle.axle_forces_n(state.motion, state.steering.angle_rad, a_x);
         let loads = self.vehicle.axle_loads_n(a_x);
         let at_most = friction * libm::tanh(1.0);
-        forces.into_iter().zip(loads).all(|(force, load)| force.abs() <= at_most * load)
+        let slides = |(force, load): (f64, f64)| force.abs() > at_most * load;
+        follows(friction) && !forces.into_iter().zip(loads).any(slides)
     }
 
     /// The sample with the largest ratio while the detector of `judge`, made for `spec`, monitors; none

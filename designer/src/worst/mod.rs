@@ -235,19 +235,23 @@ impl<P: Fn(u64) + Sync> Test<'_, P> {
     fn at_random(&self, drives: u64) -> Vec<Found> {
         let random = self.stream(RANDOM_STREAM);
         let dimension = self.family.dimension(self.spec) as u64;
-        let drive = |k: u64| {
+        let point = |k: u64| {
             let numbers = k * dimension..(k + 1) * dimension;
-            let point: Vec<f64> = numbers.map(|number| random.within(number, PI)).collect();
-            Found { value: self.ratio(&point), point }
+            numbers.map(|number| random.within(number, PI)).collect()
         };
-        let mut found: Vec<Found> = (0..drives).into_par_iter().map(drive).collect();
-        found.sort_by(|a, b| b.order(a));
-        found
+        self.tried((0..drives).map(point).collect())
     }
 
     /// The drives that one would try first, at most so many, the worst first.
     fn suspects(&self, drives: u64) -> Vec<Found> {
-        let points = self.family.suspects(self.spec).into_par_iter().take(drives as usize);
+        let mut points = self.family.suspects(self.spec);
+        points.truncate(drives as usize);
+        self.tried(points)
+    }
+
+    /// The drives of `points`, the worst first.
+    fn tried(&self, points: Vec<Vec<f64>>) -> Vec<Found> {
+        let points = points.into_par_iter();
         let mut found: Vec<Found> =
             points.map(|point| Found { value: self.ratio(&point), point }).collect();
         found.sort_by(|a, b| b.order(a));

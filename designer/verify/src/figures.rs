@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 
 use crate::agreement::{ROUNDING, at_most, near, same, within};
 use crate::band::Band;
-use crate::read::{Design, Evaluation, Fault, Frozen, Gust, Level, Point, Rows3, Sight, Status};
+use crate::read::{
+    Design, Evaluation, Fault, Frozen, Gust, Level, Point, Rows3, Searched, Sight, Status,
+};
 use crate::refusal::Refusal;
 
 /// Share of the drives that the confidence of a [`Level`] leaves: it holds with 95 %.
@@ -47,32 +49,35 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
 
     let levels = [&causes.calibration, &causes.uncertain].map(|level| level.as_ref());
     let guaranteed = causes.guaranteed.as_ref();
-    let present = [levels[0].is_some(), levels[1].is_some(), guaranteed.is_some()];
+    let present = [
+        ("calibration", levels[0].is_some()),
+        ("uncertain", levels[1].is_some()),
+        ("searched", !causes.searched.is_empty()),
+        ("guaranteed", guaranteed.is_some()),
+    ];
+    let searches = specified.calibration.search_drives > 0.0;
     let margin = causes.margin;
     let (expected, [recomputed, share]) = match causes.kind.as_str() {
-        "constant" => ([false; 3], [specified.constant.unwrap_or(f64::NAN), 0.0]),
+        "constant" => ([false; 4], [specified.constant.unwrap_or(f64::NAN), 0.0]),
         "calibrated" => {
             let level = levels[0].map_or(f64::NAN, |level| level.level);
-            ([true, false, false], [margin * level, 0.0])
+            ([true, false, false, false], [margin * level, 0.0])
         }
         "adaptive" => {
             let [level, ratio] = levels.map(|level| level.map_or(f64::NAN, |level| level.level));
-            let found = causes.searched.iter().map(|found| found.level).fold(0.0, f64::max);
             let ratio = match specified.covers.as_str() {
-                "worst_case" => f64::max(ratio, found.min(1.0 / margin)),
+                "worst_case" => ratio.max(largest(&causes.searched).min(1.0 / margin)),
                 _ => ratio,
             };
-            ([true, true, false], [margin * ratio * level, margin * ratio])
+            ([true, true, searches, false], [margin * ratio * level, margin * ratio])
         }
         "guaranteed" => {
             let level = guaranteed.map_or(f64::NAN, |x| x.bound + x.discretisation.level);
-            ([false, false, true], [margin * level, 0.0])
+            ([false, false, false, true], [margin * level, 0.0])
         }
         other => return Err(Refusal::Kind { found: other.into() }),
     };
-    for ((key, present), expected) in
-        ["calibration", "uncertain", "guaranteed"].into_iter().zip(present).zip(expected)
-    {
+    for ((key, present), expected) in present.into_iter().zip(expected) {
         match (present, expected) {
             (false, true) => {
                 let key = format!("threshold.{key}");
@@ -85,15 +90,6 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
             _ => {}
         }
     }
-    let asked = causes.kind == "adaptive" && specified.calibration.search_drives > 0.0;
-    let kind = causes.kind.clone();
-    match (causes.searched.is_empty(), asked) {
-        (true, true) => return Err(Refusal::NoCause { key: "threshold.searched".into(), kind }),
-        (false, false) => {
-            return Err(Refusal::OtherCause { key: "threshold.searched".into(), kind });
-        }
-        _ => {}
-    }
     near("detector.evaluation.threshold", threshold, recomputed)?;
     near("detector.evaluation.uncertainty_share", uncertainty_share, share)?;
 
@@ -103,8 +99,7 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     same("detector.estimator, whether there is one", &estimator.is_some(), &runs)?;
     same("threshold.second, whether there is one", &second.is_some(), &runs)?;
     if let Some((levels, estimator)) = second.zip(estimator) {
-        let found = levels.search.iter().map(|of_family| of_family.level);
-        let largest = found.fold(levels.calibration.level, f64::max);
+        let largest = levels.calibration.level.max(largest(&levels.search));
         near("detector.estimator.threshold", estimator.threshold, margin * largest)?;
         let key = "detector.estimator.estimate_factor";
         near(key, estimator.estimate_factor, levels.in_99_of_100)?;
@@ -124,6 +119,11 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
         }
     }
     Ok(())
+}
+
+/// The largest that a search found; 0 of none.
+fn largest(searched: &[Searched]) -> f64 {
+    searched.iter().map(|found| found.level).fold(0.0, f64::max)
 }
 
 /// The start-up term is that of its matrices, from the largest lateral speed of S_x.

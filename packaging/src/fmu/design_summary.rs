@@ -289,7 +289,7 @@ pub fn causes(design: &Design) -> Vec<Cause> {
 
 /// What a search found of a threshold with so much of level and bound.
 fn found_by_search(threshold: &ThresholdRecord, share: f64) -> String {
-    let drives: u64 = threshold.searched.iter().map(|found| found.drives).sum();
+    let drives = searched::drives(&threshold.searched);
     let ratio = searched::largest(&threshold.searched) / share;
     let mut found = format!(
         "J / J_th is {ratio:.3} in the worst fault-free drive that a search of {drives} found"

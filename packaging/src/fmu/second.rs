@@ -3,7 +3,7 @@
 use serde::Serialize;
 use steerguard_designer::Design;
 use steerguard_designer::spec::ThresholdKind;
-use steerguard_designer::threshold::searched::Searched;
+use steerguard_designer::threshold::searched::{self, Searched};
 use steerguard_designer::threshold::second::SecondLevels;
 use steerguard_detector::Estimator;
 
@@ -57,11 +57,12 @@ impl Second {
                 let SecondLevels { calibration, in_99_of_100, search } = levels;
                 let mut sentences = vec![format!(
                     "{margin} x the largest statistic without a fault: {:.3} in {} drives at random ({:.3} in 99 of \
-                     100), {}",
+                     100), {:.3} found by a search of {} drives",
                     calibration.level,
                     calibration.drives,
                     in_99_of_100,
-                    found(search)
+                    searched::largest(search),
+                    searched::drives(search)
                 )];
                 let of: Vec<String> = search
                     .iter()
@@ -72,11 +73,4 @@ impl Second {
             }
         }
     }
-}
-
-/// The largest that a search found.
-fn found(search: &[Searched]) -> String {
-    let drives: u64 = search.iter().map(|of_family| of_family.drives).sum();
-    let level = search.iter().map(|of_family| of_family.level).fold(0.0, f64::max);
-    format!("{level:.3} found by a search of {drives} drives")
 }
