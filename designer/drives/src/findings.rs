@@ -193,7 +193,7 @@ impl Watch {
 fn largest(signal: Signal) -> f64 {
     match signal {
         Signal::Time => f64::INFINITY,
-        Signal::Speed => 120.0,
+        Signal::Speed => 100.0,
         Signal::YawRate => 10.0,
         // Three turns of a hand wheel.
         Signal::Steering => 20.0,

@@ -73,6 +73,7 @@ fn bench(design: &Design) -> Result<Bench, Failure> {
         vehicle: design.detector.model.vehicle,
         zero: design.spec.sensors.zero(),
         steering_ratio: design.spec.sensors.steering_ratio,
+        speeds: design.spec.operating_range.range().v_x,
         period_s: design.detector.model.sampling_period_s,
     })
 }

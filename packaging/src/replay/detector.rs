@@ -1,6 +1,6 @@
 //! The packaged detector, fed with what was recorded.
 
-use steerguard_detector::{Vehicle, Zero};
+use steerguard_detector::{Interval, Vehicle, Zero};
 
 use super::error::ReplayError;
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
@@ -15,6 +15,8 @@ pub struct Bench {
     pub zero: Zero,
     /// Angle of the steering sensor over that of the road wheel.
     pub steering_ratio: f64,
+    /// Speeds that it is made for, m/s.
+    pub speeds: Interval,
     /// Sampling period, s.
     pub period_s: f64,
 }

@@ -6,11 +6,13 @@
 //!   more than 4 m/s^2 do not count. By r the recorded yaw rate less its bias, by m the vehicle's.
 //! - The *gain* is the least-squares factor from m to r, r about g m + c; the *lag* is the shift at which
 //!   r and m are most alike, positive where r is ahead: the steering is late by it.
-//! - A real fault looks like a wrong preparation. So what need not be one is said of fault-free drives only.
+//! - A real fault looks like a wrong preparation. So what need not be one is said only where a fault-free drive
+//!   alarms.
+//! - Speeds above the design's range that are inside it in km/h are taken for km/h.
 
 use std::collections::VecDeque;
 
-use steerguard_detector::{Input, Vehicle, VehicleState};
+use steerguard_detector::{Input, Interval, Vehicle, VehicleState};
 
 /// Below this speed the vehicle is not driven along, m/s.
 const SLOWEST_M_PER_S: f64 = 5.0;
@@ -22,8 +24,11 @@ const SETTLED_S: f64 = 1.0;
 const FARTHEST_S: f64 = 0.2;
 /// Fewer samples than in this time show nothing, s.
 const SHORTEST_S: f64 = 10.0;
-/// A spread of the vehicle's yaw rate below this shows nothing, rad/s.
-const SMALLEST_SPREAD: f64 = 0.004;
+/// Spreads of the vehicle's yaw rate and of the recorded one below these show nothing, rad/s. The recorded
+/// one has noise and the road in it.
+const SMALLEST_SPREADS: [f64; 2] = [0.004, 0.02];
+/// Metres a second that are read for a kilometre an hour too many.
+const KM_PER_H: f64 = 3.6;
 
 /// Sums over pairs (m, r).
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,7 +72,11 @@ impl Sums {
 #[derive(Clone, Debug)]
 pub(super) struct Preparation {
     vehicle: Vehicle,
+    /// Speeds that the design is made for, m/s.
+    speeds: Interval,
     period_s: f64,
+    /// Samples, those too fast, and those of them that are not in km/h.
+    fast: [u64; 3],
     /// `[v_y, r]` of the vehicle, and since when it is driven along, samples.
     state: Option<([f64; 2], u64)>,
     /// The last yaw rates `[m, r]`, newest last.
@@ -81,7 +90,7 @@ pub(super) struct Preparation {
 
 /// What is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Found {
+struct Found {
     correlation: f64,
     gain: f64,
     steering_late_s: f64,
@@ -89,12 +98,14 @@ pub(super) struct Found {
 }
 
 impl Preparation {
-    /// Of samples every `period_s` of a `vehicle`.
-    pub fn new(vehicle: Vehicle, period_s: f64) -> Self {
+    /// Of samples every `period_s` of a `vehicle` and a design for `speeds`.
+    pub fn new(vehicle: Vehicle, speeds: Interval, period_s: f64) -> Self {
         let shifts = 2 * (FARTHEST_S / period_s).round() as usize + 1;
         Self {
             vehicle,
+            speeds,
             period_s,
+            fast: [0; 3],
             state: None,
             last: VecDeque::with_capacity(shifts),
             shifted: vec![Sums::default(); shifts],
@@ -105,6 +116,11 @@ impl Preparation {
 
     /// Takes the next sample: speed, yaw rate less its bias, angle at the road wheel less its offset.
     pub fn add(&mut self, starts: bool, v_x: f64, r: f64, delta: f64) {
+        let too_fast = v_x > self.speeds.max;
+        let in_km_per_h = too_fast && self.speeds.contains(v_x / KM_PER_H);
+        for (count, holds) in self.fast.iter_mut().zip([true, too_fast, in_km_per_h]) {
+            *count += u64::from(holds);
+        }
         if starts || v_x < SLOWEST_M_PER_S {
             self.state = None;
             self.last.clear();
@@ -170,12 +186,28 @@ impl Preparation {
         v_x / (wheelbase + understeer * v_x * v_x)
     }
 
+    /// What looks wrong, a sentence each: always what no fault explains; where a fault-free drive alarms also
+    /// what a fault might. The steering is that of a sensor `ratio` times the road wheel's angle.
+    pub fn remarks(&self, false_alarms: bool, ratio: f64) -> Vec<String> {
+        let [all, fast, in_km_per_h] = self.fast;
+        if 2 * fast > all && in_km_per_h == fast {
+            return vec![format!(
+                "most speeds are above the design's {} m/s and would be in its range if they were in km/h: \
+                 --speed NAME:km/h",
+                self.speeds.max
+            )];
+        }
+        self.found().map_or(vec![], |found| found.remarks(false_alarms, ratio))
+    }
+
     /// What the drive shows; `None` where it shows too little.
-    pub fn found(&self) -> Option<Found> {
+    fn found(&self) -> Option<Found> {
         let middle = self.shifted.len() / 2;
         let now = self.shifted.get(middle)?;
-        let [mr, mm, _] = now.spread();
-        if now.n * self.period_s < SHORTEST_S || mm.sqrt() < SMALLEST_SPREAD {
+        let [mr, mm, rr] = now.spread();
+        let [smallest_m, smallest_r] = SMALLEST_SPREADS;
+        let shows = mm.sqrt() >= smallest_m || rr.sqrt() >= smallest_r;
+        if now.n * self.period_s < SHORTEST_S || !shows || mm <= 0.0 {
             return None;
         }
         let best = (0..self.shifted.len())
@@ -211,9 +243,8 @@ impl Preparation {
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 impl Found {
-    /// What looks wrong, one sentence each: always what no fault explains; with `fault_free` also what a fault
-    /// might. The steering is that of a sensor `ratio` times the road wheel's angle.
-    pub fn remarks(&self, fault_free: bool, ratio: f64) -> Vec<String> {
+    /// As [`Preparation::remarks`].
+    fn remarks(&self, false_alarms: bool, ratio: f64) -> Vec<String> {
         let Self { correlation, gain, steering_late_s, offset_rad } = *self;
         let mut remarks = Vec::new();
         if correlation < -0.5 {
@@ -223,7 +254,7 @@ impl Found {
             ));
         }
         if correlation.abs() < 0.5 {
-            if fault_free {
+            if false_alarms {
                 remarks.push(format!(
                     "the steering does not explain the yaw rate (correlation {correlation:.2}): is it the \
                      right column, of the same drive, and in time?"
@@ -244,14 +275,14 @@ impl Found {
                  yaw rate in rad/s as deg/s",
                 1.0 / size
             ));
-        } else if fault_free && !(0.93..1.07).contains(&size) {
+        } else if false_alarms && !(0.93..1.07).contains(&size) {
             remarks.push(format!(
                 "the yaw rate is {size:.2} times what the steering makes: with this design a \
                  sensors.steering_ratio of {:.1} would fit (it is {ratio})",
                 ratio / size
             ));
         }
-        if fault_free && steering_late_s.abs() > 0.012 && correlation > 0.5 {
+        if false_alarms && steering_late_s.abs() > 0.012 && correlation > 0.5 {
             remarks.push(format!(
                 "the steering is {:.0} ms {} than the yaw rate: --delay steering={:.3}, beside what is \
                  told already, would fit",
@@ -261,7 +292,7 @@ impl Found {
             ));
         }
         let offset_deg = offset_rad.to_degrees();
-        if fault_free && offset_deg.abs() > 0.15 && (0.8..1.25).contains(&gain) {
+        if false_alarms && offset_deg.abs() > 0.15 && (0.8..1.25).contains(&gain) {
             remarks.push(format!(
                 "the car goes straight at {offset_deg:+.2} deg at the road wheel beyond \
                  sensors.steering_offset_deg (or the yaw rate's bias is wrong)"
@@ -279,7 +310,7 @@ mod tests {
     /// vehicle's own.
     fn found(steering: impl Fn(f64) -> f64, yaw_rate: impl Fn(f64) -> f64) -> Found {
         let delta = |t: f64| 0.02 * (1.3 * t).sin() + 0.01 * (3.1 * t).cos();
-        let mut preparation = Preparation::new(Vehicle::PAPER, 0.01);
+        let mut preparation = Preparation::new(Vehicle::PAPER, Interval::new(5.0, 30.0), 0.01);
         let mut vehicle = [0.0, 0.0];
         for k in 0..6000_u32 {
             let t = f64::from(k) * 0.01;
@@ -330,10 +361,21 @@ mod tests {
 
     #[test]
     fn a_straight_road_shows_nothing() {
-        let mut preparation = Preparation::new(Vehicle::PAPER, 0.01);
+        let mut preparation = Preparation::new(Vehicle::PAPER, Interval::new(5.0, 30.0), 0.01);
         for k in 0..6000 {
             preparation.add(k == 0, 20.0, 0.001, 0.0);
         }
         assert_eq!(preparation.found(), None);
+    }
+
+    #[test]
+    fn km_per_h_are_recognised_by_the_range_of_the_design() {
+        let remarks = |v_x: f64| {
+            let mut preparation = Preparation::new(Vehicle::PAPER, Interval::new(5.0, 30.0), 0.01);
+            (0..100).for_each(|k| preparation.add(k == 0, v_x, 0.0, 0.0));
+            preparation.remarks(true, 1.0)
+        };
+        assert!(remarks(80.0)[0].contains("--speed NAME:km/h"));
+        assert_eq!(remarks(25.0), Vec::<String>::new());
     }
 }

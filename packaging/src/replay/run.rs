@@ -228,7 +228,7 @@ pub fn drive(
     for injection in injections(faults) {
         passes.push(Pass::new(bench, &name, Some(injection), outputs)?);
     }
-    let mut preparation = Preparation::new(bench.vehicle, bench.period_s);
+    let mut preparation = Preparation::new(bench.vehicle, bench.speeds, bench.period_s);
     let layout = reader.layout();
     let samples = Resampler::new(reader.by_ref(), layout, spacing);
     let (mut start_s, mut pieces, mut without_torque) = (None, 0, 0_u64);
@@ -271,7 +271,7 @@ pub fn drive(
         recorded = recorded.or(Some(outcome));
     }
     let outcome = recorded.unwrap_or_else(|| Tally::default().outcome(bench.period_s));
-    let found = preparation.found();
+    let false_alarms = fault_free && !outcome.alarms.is_empty();
     Ok(DriveReport {
         file: reader.file().to_owned(),
         reading: reader.reading(),
@@ -280,7 +280,7 @@ pub fn drive(
         rows: reader.rows(),
         pieces,
         start_s,
-        remarks: found.map_or(vec![], |found| found.remarks(fault_free, bench.steering_ratio)),
+        remarks: preparation.remarks(false_alarms, bench.steering_ratio),
         outcome,
         injected,
         files,
