@@ -53,13 +53,21 @@ pub(super) fn run(arguments: &ReplayArguments, json: bool) -> Result<Exit, Failu
     let bytes = serde_json::to_string_pretty(&summary).map_err(Failure::bad)? + "\n";
     output::write(&summary_path, bytes.as_bytes())?;
     let mut text = caution(status) + &summary.text();
-    for drive in &summary.drives {
-        text +=
-            &drive.files.iter().map(|file| format!("  {}\n", file.display())).collect::<String>();
-    }
-    text += &format!("  {}\n", summary_path.display());
+    text += &listed(&summary, &summary_path);
     print(json, &summary, &text)?;
     Ok(if summary.has_false_alarms() { Exit::No } else { Exit::Done })
+}
+
+/// Files of the recorded drives, a line each, and how many there are of the injected faults.
+fn listed(summary: &Summary, path: &Path) -> String {
+    let recorded = summary.drives.iter().flat_map(|drive| &drive.files[..drive.files.len().min(2)]);
+    let recorded: Vec<_> = recorded.map(PathBuf::as_path).chain([path]).collect();
+    let mut text: String = recorded.iter().map(|file| format!("  {}\n", file.display())).collect();
+    let all = 1 + summary.drives.iter().map(|drive| drive.files.len()).sum::<usize>();
+    if all > recorded.len() {
+        text += &format!("  and {} files of the injected faults\n", all - recorded.len());
+    }
+    text
 }
 
 /// Packages the detector and loads it.

@@ -21,7 +21,7 @@ const HARDEST_M_PER_S2: f64 = 4.0;
 /// After a start the vehicle has no memory of it any more, s.
 const SETTLED_S: f64 = 1.0;
 /// Shifts that are looked at go so far either way, s.
-const FARTHEST_S: f64 = 0.2;
+const FARTHEST_S: f64 = 0.5;
 /// Fewer samples than in this time show nothing, s.
 const SHORTEST_S: f64 = 10.0;
 /// Spreads of the vehicle's yaw rate and of the recorded one below these show nothing, rad/s. The recorded

@@ -220,16 +220,21 @@ impl Summary {
     /// All drives together.
     fn of_all(&self) -> String {
         let total = &self.total;
+        let plural = |number: u64| if number == 1 { "" } else { "s" };
         let mut text = format!(
             "{} drive{}, {:.3} h driven, {:.3} h monitored ({:.1} %)\n",
             total.drives,
-            if total.drives == 1 { "" } else { "s" },
+            plural(total.drives as u64),
             total.driven_s / 3600.0,
             total.monitored_s / 3600.0,
             100.0 * total.monitored_share
         );
-        let what = if self.fault_free { "false alarms" } else { "alarms" };
-        text += &format!("{} {what} in {} drives", total.alarms, total.drives_with_alarms);
+        let what = if self.fault_free { "false alarm" } else { "alarm" };
+        let (alarms, with) = (total.alarms, total.drives_with_alarms);
+        text += &format!("{alarms} {what}{}", plural(alarms));
+        if with > 0 {
+            text += &format!(" in {with} drive{}", plural(with as u64));
+        }
         if let Some(Estimate { value, lower, upper }) = total.alarms_per_hour {
             text += &format!(
                 ": {value:.2} an hour monitored, {:.0} % interval {lower:.2} to {upper:.2}",
