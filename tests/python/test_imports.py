@@ -17,6 +17,7 @@ ALLOWED = {
     "designer/verify": set(),
     "designer/blas-src": set(),
     "designer/drives": set(),
+    "designer/drives/zstd": set(),
     "designer": {"detector", "verify", "world"},
     "modelDescription": set(),
     "fmu/core": {"model-description"},
