@@ -223,3 +223,14 @@ fn what_looks_wrong_is_found_with_its_line() {
         "line 3: 50 rows have the time of the row before, the first here"
     );
 }
+
+#[test]
+fn the_file_of_columns_in_the_documentation_is_read() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/drive-files.md");
+    let page = fs::read_to_string(page).unwrap();
+    let (_, rest) = page.split_once("```toml\n").unwrap();
+    let columns = Columns::from_toml(rest.split_once("```").unwrap().0).unwrap();
+    let yaw_rate = columns.told(Signal::YawRate).unwrap();
+    assert!(yaw_rate.turned && yaw_rate.name == "r_deg");
+    assert_eq!((columns.delimiter, columns.delay_s(Signal::Steering)), (Some(b';'), 0.03));
+}
