@@ -1,7 +1,6 @@
 """The recipes of docs/drive-files.md on files that are made here, and what `replay` reads of them."""
 
 import json
-import os
 import re
 import subprocess
 from pathlib import Path
@@ -26,10 +25,9 @@ def run(code, folder, monkeypatch):
     exec(compile(code, "recipe", "exec"), {})
 
 
-def replayed(steerguard, folder):
+def replayed(steerguard, fixtures, folder):
     """The drive in the summary of `replay` on drive.csv."""
-    design = Path(os.environ["STEERGUARD_FIXTURES"], "design.json")
-    command = [steerguard, "replay", design, "drive.csv", "--allow", "uncertified,blind", "--json"]
+    command = [steerguard, "replay", fixtures / "design.json", "drive.csv", "--allow", "uncertified,blind", "--json"]
     done = subprocess.run(command, cwd=folder, check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)["drives"][0]
@@ -40,7 +38,7 @@ def course(t):
     return 15.0 + np.sin(0.2 * t), 0.05 * np.sin(0.5 * t), 0.3 * np.sin(0.5 * t)
 
 
-def test_mdf4(steerguard, tmp_path, monkeypatch):
+def test_mdf4(steerguard, fixtures, tmp_path, monkeypatch):
     slow, fast = np.arange(0.0, 20.0, 0.02), np.arange(0.003, 20.0, 0.01)
     speed, yaw_rate, steering = course(slow)[0], course(fast)[1], course(fast)[2]
     log = asammdf.MDF(version="4.10")
@@ -55,7 +53,7 @@ def test_mdf4(steerguard, tmp_path, monkeypatch):
     log.save(tmp_path / "log.mf4")
     log.close()
     run(recipe("MDF4 to CSV"), tmp_path, monkeypatch)
-    drive = replayed(steerguard, tmp_path)
+    drive = replayed(steerguard, fixtures, tmp_path)
     assert drive["columns"][:4] == [
         'time: column "time [s]", s -> s (guessed)',
         'speed: column "VehicleSpeed [km/h]", km/h -> m/s (guessed)',
@@ -66,12 +64,12 @@ def test_mdf4(steerguard, tmp_path, monkeypatch):
     assert drive["driven_s"] == pytest.approx(20.0, abs=0.05)
 
 
-def test_mat(steerguard, tmp_path, monkeypatch):
+def test_mat(steerguard, fixtures, tmp_path, monkeypatch):
     t = np.arange(0.0, 20.0, 0.01)
     v, r, delta = course(t)
     savemat(tmp_path / "log.mat", {"t": t, "v": v, "r": r, "delta": delta})
     run(recipe("MAT to CSV"), tmp_path, monkeypatch)
-    drive = replayed(steerguard, tmp_path)
+    drive = replayed(steerguard, fixtures, tmp_path)
     assert drive["columns"][3] == 'steering: column "steering [rad]", rad -> rad (guessed)'
     assert (drive["rows"], drive["pieces"]) == (len(t), 1)
     # Its numbers to the last digit: the first speed of the trace is the one that was saved.
