@@ -122,7 +122,7 @@ fn an_injected_degree_is_seen_to_either_side() {
     let delta = |file: &str| -> f64 {
         column(&folder.path().join("out").join(file), "u.delta")[4000].parse().unwrap()
     };
-    let less = delta("drive.trace.csv") - delta("drive.bias+1deg-30s.trace.csv");
+    let less = delta("drive.trace.csv") - delta("drive.bias+1deg-from30s.trace.csv");
     assert!((less.to_degrees() - 1.0).abs() < 1e-9, "{less}");
     assert_eq!(summary["total"]["smallest_seen_deg"].as_f64().unwrap().abs(), 1.0);
 }
@@ -251,6 +251,10 @@ fn drives_that_cannot_be_read_are_refused() {
         (&["drive.csv", "--speed", "v:rad"], &["`rad` is no unit of it", "m/s, km/h"]),
         (&["drive.csv", "--fault", "stuck=1@3"], &["what can are bias, drift"]),
         (&["drive.csv", "drive.csv", "--gap", "0"], &["from 0.001 to 60"]),
+        (
+            &["drive.csv", "--fault", "bias=1@3", "--fault", "bias=1.0@3s"],
+            &["two results would be"],
+        ),
     ] {
         failure(path, &[&["replay", &design], arguments].concat(), 2, parts);
     }

@@ -79,8 +79,13 @@ pub enum ColumnError {
         text: String,
     },
     /// The file of columns is not what it should be.
-    #[error("{0}")]
-    Toml(String),
+    #[error("line {line}: {message}")]
+    Toml {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        message: String,
+    },
 }
 
 /// Longest delay of a signal either way, s.
@@ -188,8 +193,13 @@ impl Columns {
     /// # Errors
     /// [`ColumnError`].
     pub fn from_toml(text: &str) -> Result<Self, ColumnError> {
-        let file: File =
-            toml::from_str(text).map_err(|error| ColumnError::Toml(error.to_string()))?;
+        let file: File = toml::from_str(text).map_err(|error| {
+            let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            ColumnError::Toml {
+                line: before.matches('\n').count() + 1,
+                message: error.message().to_owned(),
+            }
+        })?;
         let mut columns = Self::default();
         for (signal, table) in [
             (Signal::Time, file.time),
@@ -314,7 +324,7 @@ mod tests {
     fn a_file_that_makes_no_sense_is_refused() {
         for (text, part) in [
             ("[speed]\nunit = 3", "invalid type"),
-            ("[sped]", "unknown field `sped`"),
+            ("\n[sped]", "line 2: unknown field `sped`"),
             ("[speed]\ncolumn = \"v\"\nunit = \"rad\"", "known are m/s, km/h, mph, kn"),
             ("[speed]\nsign = 2", "the sign is 2"),
             ("[speed]\ndelay_s = 9", "a delay of 9 s"),

@@ -326,12 +326,12 @@ pub struct ReplayArguments {
     /// sampling periods
     #[arg(long, value_name = "S", value_parser = gap)]
     pub gap: Option<f64>,
-    /// What is told of their columns
-    #[command(flatten)]
-    pub columns: ColumnArguments,
     /// Folder for summary, traces and plots
     #[arg(short, long, value_name = "DIR", default_value = "steerguard-replay")]
     pub output: PathBuf,
+    /// What is told of their columns
+    #[command(flatten)]
+    pub columns: ColumnArguments,
 }
 
 fn gap(text: &str) -> Result<f64, String> {

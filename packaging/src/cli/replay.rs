@@ -108,6 +108,11 @@ fn refuse_to_overwrite(
 ) -> Result<(), Failure> {
     let written = names.iter().flat_map(|name| outputs.of(name, &arguments.fault));
     let written: Vec<_> = written.chain([summary.to_owned()]).collect();
+    let mut distinct = BTreeSet::new();
+    if let Some(twice) = written.iter().find(|path| !distinct.insert(*path)) {
+        return Err(Failure::bad(format!("two results would be written to `{}`", twice.display()))
+            .help("give each fault once, and drives other names"));
+    }
     let read = arguments.drives.iter().chain([&arguments.design]).chain(&arguments.columns.columns);
     for input in read {
         for output in &written {

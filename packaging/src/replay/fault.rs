@@ -34,6 +34,10 @@ pub struct Injection {
     pub angle_deg: Option<f64>,
     /// Share of the command that is lost, of a loss of effectiveness.
     pub lost_share: Option<f64>,
+    /// Time that a drift takes to its size, s.
+    pub rise_s: Option<f64>,
+    /// Frequency of an oscillation, Hz.
+    pub frequency_hz: Option<f64>,
     /// When it begins, s from the drive's first sample.
     pub onset_s: f64,
     #[serde(skip)]
@@ -113,6 +117,8 @@ impl FaultRequest {
                 kind,
                 angle_deg: (!is_share).then_some(angle_deg),
                 lost_share: is_share.then_some(size),
+                rise_s: (kind == FaultName::Drift).then_some(rise_s),
+                frequency_hz: (kind == FaultName::Oscillation).then_some(frequency_hz),
                 onset_s,
                 fault: kind.with(onset_s, numbers),
             }
@@ -143,7 +149,9 @@ impl Injection {
             (Some(angle_deg), _) => format!("{angle_deg:+}deg"),
             (None, share) => share.unwrap_or_default().to_string(),
         };
-        format!("{kind}{size}-{}s", self.onset_s)
+        let rise = self.rise_s.map_or(String::new(), |rise_s| format!("-in{rise_s}s"));
+        let frequency = self.frequency_hz.map_or(String::new(), |hz| format!("-{hz}Hz"));
+        format!("{kind}{size}{rise}{frequency}-from{}s", self.onset_s)
     }
 }
 
@@ -192,6 +200,8 @@ mod tests {
     fn labels_tell_runs_apart() {
         let request: FaultRequest = "bias=0.5@30s".parse().unwrap();
         let labels: Vec<_> = request.injections().iter().map(Injection::label).collect();
-        assert_eq!(labels, ["bias+0.5deg-30s", "bias-0.5deg-30s"]);
+        assert_eq!(labels, ["bias+0.5deg-from30s", "bias-0.5deg-from30s"]);
+        let drift: FaultRequest = "drift=1,rise_s=2@30s".parse().unwrap();
+        assert_eq!(drift.injections()[0].label(), "drift+1deg-in2s-from30s");
     }
 }

@@ -2,10 +2,11 @@
 //! the recorded steering, held against the recorded one.
 //!
 //! # Conventions
-//! - The vehicle on linear tyres is driven along by the recorded speed and steering, from 5 m/s on; turns of
-//!   more than 4 m/s^2 do not count. By r the recorded yaw rate less its bias, by m the vehicle's.
-//! - The *gain* is the least-squares factor from m to r, r about g m + c; the *lag* is the shift at which
-//!   r and m are most alike, positive where r is ahead: the steering is late by it.
+//! - The vehicle on linear tyres is driven along by the recorded speed and steering, from 5 m/s on. By r the
+//!   recorded yaw rate less its bias, by m the vehicle's. Turns do not count that are harder than 4 m/s^2 by
+//!   both: in a wrong unit one of them alone is large.
+//! - The *lag* is the shift at which r and m are most alike, positive where r is ahead: the steering is late by
+//!   it. The *gain* is the least-squares factor from m to r there, r about g m + c.
 //! - A real fault looks like a wrong preparation. So what need not be one is said only where a fault-free drive
 //!   alarms.
 //! - Speeds above the design's range that are inside it in km/h are taken for km/h.
@@ -133,7 +134,8 @@ impl Preparation {
         let moved = self.moved(state, v_x, delta);
         self.state = Some((moved, age + 1));
         let settled = age as f64 * self.period_s >= SETTLED_S;
-        if !settled || (v_x * r).abs() > HARDEST_M_PER_S2 || !m.is_finite() {
+        let hard = v_x * r.abs().min(m.abs()) > HARDEST_M_PER_S2;
+        if !settled || hard || !m.is_finite() {
             self.last.clear();
             return;
         }
@@ -204,7 +206,7 @@ impl Preparation {
     fn found(&self) -> Option<Found> {
         let middle = self.shifted.len() / 2;
         let now = self.shifted.get(middle)?;
-        let [mr, mm, rr] = now.spread();
+        let [_, mm, rr] = now.spread();
         let [smallest_m, smallest_r] = SMALLEST_SPREADS;
         let shows = mm.sqrt() >= smallest_m || rr.sqrt() >= smallest_r;
         if now.n * self.period_s < SHORTEST_S || !shows || mm <= 0.0 {
@@ -217,8 +219,10 @@ impl Preparation {
             })
             .unwrap_or(middle);
         let between = self.peak(best);
+        let most_alike = self.shifted.get(best)?;
+        let [mr, mm, _] = most_alike.spread();
         Some(Found {
-            correlation: now.correlation(),
+            correlation: most_alike.correlation(),
             gain: mr / mm,
             // m(k + shift) is like r(k): the vehicle answers later than the recording, since it is told late.
             steering_late_s: (best as f64 + between - middle as f64) * self.period_s,
@@ -275,7 +279,7 @@ impl Found {
                  yaw rate in rad/s as deg/s",
                 1.0 / size
             ));
-        } else if false_alarms && !(0.93..1.07).contains(&size) {
+        } else if false_alarms && correlation > 0.9 && !(0.93..1.07).contains(&size) {
             remarks.push(format!(
                 "the yaw rate is {size:.2} times what the steering makes: with this design a \
                  sensors.steering_ratio of {:.1} would fit (it is {ratio})",
@@ -341,6 +345,7 @@ mod tests {
         for (found, parts) in [
             (found(steering, |r| -r), &["an axis is turned"][..]),
             (found(|t| steering(t).to_degrees(), |r| r), &["steering in deg is read as rad"]),
+            (found(steering, f64::to_degrees), &["yaw rate in deg/s as rad/s"]),
             (found(|t| steering(t).to_radians(), |r| r), &["steering in rad is read as deg"]),
             (found(|t| steering(t - 0.03), |r| r), &["30 ms later", "--delay steering=0.030"]),
             (

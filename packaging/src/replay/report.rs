@@ -136,6 +136,9 @@ impl Summary {
             drive.rows,
             drive.pieces
         );
+        if drive.start_s.abs() >= 1.0 {
+            text += &format!("  times count from {:.3} s of the file on\n", drive.start_s);
+        }
         for line in &drive.columns {
             text += &format!("  {line}\n");
         }
@@ -154,6 +157,12 @@ impl Summary {
             text += &format!("; {}{cause} {:.1} s", state.state, state.time_s);
         }
         text.push('\n');
+        if outcome.not_excited_share > 0.0 {
+            text += &format!(
+                "  could not have seen the smallest fault of interest in {:.1} % of the time monitored\n",
+                100.0 * outcome.not_excited_share
+            );
+        }
         if let Some((ratio, time_s)) = outcome.largest_ratio.zip(outcome.largest_ratio_s) {
             text += &format!("  largest J/J_th {ratio:.3} at {time_s:.2} s\n");
         }
