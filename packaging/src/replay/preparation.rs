@@ -275,7 +275,7 @@ impl Found {
             ));
         } else if unit_is_wrong(1.0 / DEGREES) {
             remarks.push(format!(
-                "the yaw rate is a {:.0}th of what the steering makes: steering in deg is read as rad, or \
+                "the yaw rate is 1/{:.0} of what the steering makes: steering in deg is read as rad, or \
                  yaw rate in rad/s as deg/s",
                 1.0 / size
             ));
