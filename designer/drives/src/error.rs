@@ -227,6 +227,10 @@ impl Cause {
             Self::NotANumber { text, .. } if text.contains(',') => {
                 "--decimal-mark , reads numbers with a decimal comma".into()
             }
+            Self::NotANumber { signal: Signal::Time, .. } => {
+                "time stamps are numbers, in s, ms, us or ns; --time NAME:UNIT names another column"
+                    .into()
+            }
             Self::RunsBack { .. } => {
                 "sort the rows by time, or split the file where another recording begins".into()
             }

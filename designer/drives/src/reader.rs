@@ -35,6 +35,8 @@ pub struct Layout {
 
 /// Rows that the unit of the time is judged by.
 const FIRST_ROWS: usize = 256;
+/// Time stamps beyond this either way are none, s: three thousand years.
+const LATEST_S: f64 = 1e11;
 /// Steps that no recording of a drive has, s: shorter, and longer.
 const STEPS_S: [f64; 2] = [5e-5, 1.0];
 
@@ -180,7 +182,14 @@ impl Reader {
 
     /// Reads a row of the file.
     fn read(&mut self) -> Result<Option<Row>, DriveError> {
-        let line = match self.table.next(&mut self.cells) {
+        // Lines of blanks or delimiters alone are no rows.
+        let next = loop {
+            let next = self.table.next(&mut self.cells);
+            if !matches!(next, Ok(Some(_))) || self.cells.iter().any(|cell| !cell.is_nan()) {
+                break next;
+            }
+        };
+        let line = match next {
             Ok(Some(line)) => line,
             Ok(None) => return Ok(None),
             Err(RowError::Other(cause)) => return Err(self.error(None, cause)),
@@ -199,6 +208,10 @@ impl Reader {
         let time_s = value(Signal::Time);
         if time_s.is_nan() {
             return Err(self.error(Some(line), Cause::NoTime));
+        }
+        if time_s.abs() > LATEST_S {
+            let (signal, hint) = (Signal::Time, String::new());
+            return Err(self.error(Some(line), Cause::Impossible { signal, value: time_s, hint }));
         }
         Ok(Some(Row { line, time_s, values: Signal::MEASURED.map(value) }))
     }

@@ -168,6 +168,13 @@ fn what_cannot_be_is_said_with_its_line() {
             "time goes by 10 s a row, read in s: it looks like ms",
         ),
         (drive(500, |_| "7,10,0.1,0.3".into()), Some(2), "time never changes from 7 s"),
+        (with(300, "9e99,10,0.1,0.3"), Some(300), "time: 9"),
+        (
+            with(300, "12:30:01,10,0.1,0.3"),
+            Some(300),
+            "time: `12:30:01` in column `t` is no number",
+        ),
+        (with(300, "\"2.98,10,0.1,0.3"), Some(300), "`\"2.98` in column `t` is no number"),
         (
             drive(500, |k| format!("{k}e-2,,0.{k},0.3")),
             None,
@@ -215,6 +222,10 @@ fn what_looks_wrong_is_found_with_its_line() {
             "line 9: steering: 1 cells of `hw [rad]` without a number, the first here",
         ]
     );
+
+    let (rows, findings) =
+        read((drive(1000, usual) + "  \n,,,\n").as_bytes(), &Columns::default()).unwrap();
+    assert_eq!((rows.len(), findings), (1000, vec![]));
 
     let twice = drive(100, |k| usual(k / 2 * 2));
     let (_, findings) = read(twice.as_bytes(), &Columns::default()).unwrap();

@@ -163,6 +163,46 @@ proptest! {
         prop_assert!(samples.len() as f64 >= (length_s - gaps_s) / PERIOD_S - 2.0);
     }
 
+    /// Whatever is in a file, it is read, or refused with an error.
+    #[test]
+    fn no_text_makes_the_reader_panic(
+        lines in prop::collection::vec("[-+0-9.,;\t\"#eainf ]{0,40}", 0..20),
+        header in prop::sample::select(vec!["", "t [s],v [m/s],r [rad/s],hw [rad]\n", "t;v;r;hw\ns;m/s;rad/s;rad\n"]),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("drive.csv");
+        std::fs::write(&path, format!("{header}{}", lines.join("\n"))).unwrap();
+        if let Ok(mut reader) = Reader::open(&path, &Columns::default(), Wanted::ALL) {
+            let _ = pieces(&mut reader, Spacing::of_period(PERIOD_S));
+            reader.findings();
+        }
+    }
+
+    /// The same of rows of numbers, which come further.
+    #[test]
+    fn no_numbers_make_the_resampler_panic(
+        rows in prop::collection::vec((-0.1..2.0_f64, [-30.0..30.0_f64, -1.0..1.0, -2.0..2.0], 0..8_usize), 1..80),
+    ) {
+        let mut time_s = 0.0;
+        let rows = rows.into_iter().map(|(step_s, values, fate)| {
+            // Some steps are short, some rows lack a signal, some stand at the same time.
+            time_s += if fate > 2 { 0.01 * step_s.abs() } else { step_s.max(0.0) };
+            let mut row = Row { line: 0, time_s, values: [values[0], values[1], values[2], f64::NAN, 1.0] };
+            if let Some(value) = row.values.get_mut(fate) {
+                *value = f64::NAN;
+            }
+            row
+        });
+        let layout = Layout { present: [true; 5], delays_s: [0.0, 0.03, -0.02, 0.0, 0.0] };
+        let samples = resampled(rows.collect(), layout, Spacing::of_period(PERIOD_S));
+        let ordered = samples.windows(2).all(|pair| {
+            let step_s = pair[1].sample.time_s - pair[0].sample.time_s;
+            let same = pair[0].piece == pair[1].piece;
+            if same { (step_s - PERIOD_S).abs() < 1e-9 } else { step_s > PERIOD_S - 1e-9 }
+        });
+        prop_assert!(ordered);
+    }
+
     #[test]
     fn delimiter_decimal_mark_and_order_of_columns_do_not_matter(
         numbers in prop::collection::vec([0.0..50.0_f64, -0.4..0.4_f64, -0.5..0.5_f64], 3..60),

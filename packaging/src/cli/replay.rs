@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use steerguard_designer::Design;
 use steerguard_model_description::names;
 
@@ -26,10 +26,9 @@ pub(super) fn run(arguments: &ReplayArguments, json: bool) -> Result<Exit, Failu
     let columns = told(&arguments.columns)?;
     // Everything about the drives that can be wrong from the start is said before a design is verified.
     let names = names_of(&arguments.drives);
-    let mut drives = Vec::new();
-    for (path, name) in arguments.drives.iter().zip(&names) {
-        let open = OpenDrive::open(path, &columns, name.clone());
-        drives.push(open.map_err(|error| unreadable(&error))?);
+    let open = |(path, name): (&PathBuf, &String)| OpenDrive::open(path, &columns, name.clone());
+    for drive in arguments.drives.iter().zip(&names) {
+        open(drive).map_err(|error| unreadable(&error))?;
     }
     let outputs = Outputs { folder: arguments.output.clone() };
     let summary_path = outputs.folder.join(SUMMARY);
@@ -38,9 +37,10 @@ pub(super) fn run(arguments: &ReplayArguments, json: bool) -> Result<Exit, Failu
     let design = input::design(&arguments.design, &arguments.allow, &Progress::new())?;
     let bench = bench(&design)?;
     output::create_folder(&outputs.folder)?;
-    let progress = Progress::bar(drives.len() as u64);
-    let replayed = drives.into_par_iter().map(|drive| {
-        let (gap_s, fault_free) = (arguments.gap, arguments.fault_free);
+    let progress = Progress::bar(names.len() as u64);
+    // Opened anew, a few at a time: there may be more drives than files that can be open.
+    let replayed = arguments.drives.par_iter().zip(&names).map(|drive| {
+        let (drive, gap_s, fault_free) = (open(drive)?, arguments.gap, arguments.fault_free);
         let report = replay::drive(&bench, drive, &arguments.fault, gap_s, fault_free, &outputs);
         progress.advance(1);
         report

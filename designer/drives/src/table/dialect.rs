@@ -22,6 +22,8 @@ pub(super) struct Dialect {
     pub delimiter: u8,
     /// Before decimals.
     pub decimal_mark: u8,
+    /// Whether cells stand in quotes. Where none does, a stray quote shall not swallow the rest of the file.
+    pub quoted: bool,
     /// The columns.
     pub headers: Vec<Header>,
     /// Lines before the first one of numbers.
@@ -151,6 +153,7 @@ impl Dialect {
         Ok(Self {
             delimiter,
             decimal_mark: mark,
+            quoted: lines[first..].iter().any(|line| line.text.contains(&b'"')),
             headers: (0..width).map(header).collect(),
             lines_before: row.number - 1,
             bytes_before: row.begin as u64,

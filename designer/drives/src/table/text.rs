@@ -48,6 +48,7 @@ impl Text {
             .delimiter(dialect.delimiter)
             .has_headers(false)
             .flexible(true)
+            .quoting(dialect.quoted)
             .comment(Some(b'#'))
             .buffer_capacity(1 << 16)
             .from_reader(file);
