@@ -29,7 +29,8 @@ impl fmt::Display for Finding {
 const SIDEWAYS_M_PER_S2: f64 = 25.0;
 /// For so long all in all it is no disturbed row, s.
 const SIDEWAYS_S: f64 = 1.0;
-/// A signal at its extreme for longer at a time, s, and for longer all in all, s, is cut off there.
+/// A signal at its extreme for longer at a time, s, and for longer all in all, s, and not only once as a wheel
+/// that is held, is cut off there.
 const SATURATED_S: [f64; 2] = [1.0, 2.0];
 
 /// What is seen of a signal.
@@ -51,6 +52,8 @@ struct Extreme {
     line: u64,
     /// Since when the signal has been there without a break, s.
     since_s: Option<f64>,
+    /// How often it came there.
+    visits: u64,
     longest_s: f64,
     all_s: f64,
     last_s: f64,
@@ -64,6 +67,7 @@ impl Extreme {
                 value,
                 line,
                 since_s: Some(time_s),
+                visits: 1,
                 longest_s: 0.0,
                 all_s: 0.0,
                 last_s: time_s,
@@ -74,7 +78,10 @@ impl Extreme {
                     self.all_s += time_s - self.last_s;
                     self.longest_s = self.longest_s.max(time_s - since_s);
                 }
-                None => self.since_s = Some(time_s),
+                None => {
+                    self.since_s = Some(time_s);
+                    self.visits += 1;
+                }
             }
             self.last_s = time_s;
         } else {
@@ -89,6 +96,7 @@ impl Watch {
             value: f64::NAN,
             line: 0,
             since_s: None,
+            visits: 0,
             longest_s: 0.0,
             all_s: 0.0,
             last_s: 0.0,
@@ -171,7 +179,8 @@ impl Watch {
         }
         let [longest_s, all_s] = SATURATED_S;
         for extreme in [highest, lowest] {
-            let cut = extreme.longest_s >= longest_s && extreme.all_s >= all_s;
+            let cut =
+                extreme.visits > 1 && extreme.longest_s >= longest_s && extreme.all_s >= all_s;
             // Standing still is no saturation, and neither is rolling without torque.
             if cut && extreme.value != 0.0 {
                 find(

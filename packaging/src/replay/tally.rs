@@ -75,7 +75,8 @@ pub(super) struct Tally {
     not_excited: u64,
     states: BTreeMap<(i32, i32), u64>,
     alarms: Vec<Alarm>,
-    alarm: bool,
+    /// Samples for which the alarm has stood; 0 where none stands.
+    standing: u64,
     largest: Option<(f64, f64)>,
     largest_second: f64,
 }
@@ -98,7 +99,12 @@ impl Tally {
             self.largest_second = self.largest_second.max(row.second_ratio);
         }
         let size = if row.alarm_cause == SECOND_TEST { row.second_ratio } else { ratio };
-        if row.alarm && (starts || !self.alarm) {
+        self.standing = match (row.alarm, starts) {
+            (false, _) => 0,
+            (true, true) => 1,
+            (true, false) => self.standing + 1,
+        };
+        if self.standing == 1 {
             self.alarms.push(Alarm {
                 time_s: row.time,
                 duration_s: 0.0,
@@ -111,10 +117,9 @@ impl Tally {
         if row.alarm
             && let Some(alarm) = self.alarms.last_mut()
         {
-            alarm.duration_s += period_s;
+            alarm.duration_s = self.standing as f64 * period_s;
             alarm.largest_size = alarm.largest_size.max(size);
         }
-        self.alarm = row.alarm;
     }
 
     /// The outcome, of samples every `period_s`.
