@@ -215,6 +215,15 @@ fn a_wrong_preparation_is_named() {
     let (code, summary) = replayed(folder.path(), "offset.csv", &["--fault-free"]);
     let remarks = summary["drives"][0]["remarks"].to_string();
     assert!(code == Some(1) && remarks.contains("the car goes straight at +0.8"), "{remarks}");
+    write(folder.path(), "ratio.csv", HEADER, |[t, v_x, r, torque, delta]| {
+        usual([t, v_x, r, torque, 1.5 * delta])
+    });
+    let (code, summary) = replayed(folder.path(), "ratio.csv", &["--fault-free"]);
+    let remarks = summary["drives"][0]["remarks"].to_string();
+    assert!(
+        code == Some(1) && remarks.contains("sensors.steering_ratio of 1.5 would"),
+        "{remarks}"
+    );
     // Without --fault-free it may be a fault.
     let (code, summary) = replayed(folder.path(), "offset.csv", &[]);
     assert_eq!((code, &summary["drives"][0]["remarks"]), (Some(0), &serde_json::json!([])));

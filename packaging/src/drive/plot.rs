@@ -8,9 +8,11 @@ use plotters::prelude::*;
 use crate::drive::cosimulation::{Run, Sample};
 use crate::drive::detection::Detection;
 use crate::drive::figure::{
-    ALARM, Area, Axis, Chart, FAULT, J_RMS, J_TH, PlotError, SCALE, axes, decimal, document, font,
-    line, power_of_ten,
+    ALARM, Area, Axis, Chart, FAULT, J_RMS, J_TH, SCALE, axes, decimal, document, font, line,
+    power_of_ten,
 };
+
+pub use crate::drive::figure::PlotError;
 
 /// Size of one run's panel, figure pixels.
 const PANEL: (u32, u32) = (560, 350);

@@ -6,8 +6,7 @@ use serde::Serialize;
 
 use crate::drive::cosimulation::{self, CosimulationError, Run};
 use crate::drive::detection::Detection;
-use crate::drive::figure::PlotError;
-use crate::drive::plot;
+use crate::drive::plot::{self, PlotError};
 use crate::drive::scenario::Scenario;
 use crate::importer::Fmu;
 use crate::output::{self, OutputError};

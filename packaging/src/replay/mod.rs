@@ -8,7 +8,7 @@
 //! - A fault f is *injected* as `u.delta = recorded - f`: the wheels of the recording stand where they stand,
 //!   so that the actual angle less the commanded one is f. All runs of a drive go on together, so that its
 //!   file is read once.
-//! - Without a torque column the torque is that of the speed's course ([`torque`]).
+//! - Without a torque column the torque is that of the speed's course (`torque.rs`).
 
 mod detector;
 mod error;
