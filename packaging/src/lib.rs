@@ -8,3 +8,4 @@ pub mod fmu;
 pub mod importer;
 pub mod output;
 pub mod platform;
+pub mod replay;

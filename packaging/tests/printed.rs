@@ -57,6 +57,22 @@ fn the_report_of_a_campaign() {
 }
 
 #[test]
+fn the_summary_of_a_replay() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = stored("gap");
+    let design = design.to_str().unwrap();
+    let drive = ["campaign", design, "--faults", "none", "--duration", "20", "--drive"];
+    for (name, index) in [("monday.csv", "1"), ("tuesday.csv", "3")] {
+        let text = success(folder.path(), &[&drive[..], &[index]].concat());
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let drives = ["monday.csv", "tuesday.csv", "--fault-free"];
+    let faults = ["--fault", "bias=0.1@10s", "--fault", "bias=1@10s", "--fault", "loss=0.5@10s"];
+    let arguments = [&["replay", design], &drives[..], &faults, &["-o", "replayed"]].concat();
+    assert_printed!("replay", success(folder.path(), &arguments));
+}
+
+#[test]
 fn findings_in_an_fmu() {
     let folder = tempfile::tempdir().unwrap();
     let (fmu, design) = (folder.path().join("X.fmu"), stored("paper"));

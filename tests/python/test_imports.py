@@ -16,6 +16,8 @@ ALLOWED = {
     "designer/world": {"detector"},
     "designer/verify": set(),
     "designer/blas-src": set(),
+    "designer/drives": set(),
+    "designer/drives/zstd": set(),
     "designer": {"detector", "verify", "world"},
     "modelDescription": set(),
     "fmu/core": {"model-description"},
@@ -25,7 +27,8 @@ ALLOWED = {
     "fmu/plant": {"detector", "world", "fmu-core", "model-description"},
     "fmu/plant/cdylib": {"plant", "fmu-core", "fmi2"},
     "packaging": {
-        "detector", "world", "designer", "verify", "model-description", "fmu-core", "fmi2", "fmu", "plant",
+        "detector", "world", "drives", "designer", "verify", "model-description", "fmu-core", "fmi2", "fmu",
+        "plant",
     },
 }  # fmt: skip
 

@@ -7,7 +7,9 @@ use steerguard_model_description::names;
 
 use crate::campaign::Shard;
 use crate::campaign::settings::{FaultMix, Mix};
+use crate::cli::column_arguments::ColumnArguments;
 use crate::platform::Platform;
+use crate::replay::fault::FaultRequest;
 
 const EXAMPLES: &str = "\
 Without a command: designs the detector for the paper's vehicle, re-checks it, packages it, drives
@@ -21,6 +23,7 @@ Examples:
   steerguard check SteeringFaultDetector.fmu     what importers may trip over
   steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
   steerguard campaign design.json --drives 1000  what the detector is worth on the road
+  steerguard replay design.json drive.csv        what it says of a recorded drive
 
 Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
 
@@ -56,6 +59,8 @@ pub enum Command {
     Simulate(SimulateArguments),
     /// Drive many random drives: false alarms, detections and delays with confidence intervals
     Campaign(Box<CampaignArguments>),
+    /// Take recorded drives through the packaged detector, as they are and with injected faults
+    Replay(Box<ReplayArguments>),
 }
 
 /// What a design may lack and be used all the same, if that is asked for.
@@ -279,6 +284,61 @@ pub struct CampaignArguments {
     /// Folder of the campaign
     #[arg(short, long, value_name = "DIR", default_value = "steerguard-campaign")]
     pub output: PathBuf,
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard replay design.json drive.csv --fault-free
+  steerguard replay design.json monday.csv tuesday.parquet -o replayed
+  steerguard replay design.json drive.csv --fault bias=0.5@30s --fault bias=1@30s
+  steerguard replay design.json drive.csv --fault drift=1,rise_s=5@30s --fault loss=0.3@30s
+  steerguard replay design.json log.csv --speed 'v [km/h]' --yaw r_deg:-deg/s --steering hw:deg
+  steerguard replay design.json log.csv --columns columns.toml --delay steering=0.03
+
+A drive is a CSV or Parquet file (docs/drive-files.md: formats, columns, units, what is guessed and what is
+found wrong). The design's sensors.steering_ratio, steering_offset_deg and yaw_rate_bias_deg_per_s are those
+of the car.
+
+Files in DIR: summary.json; for each drive NAME.trace.csv, what the detector was told and said a line a
+sample, and NAME.svg, J and J_th over time; the same for each injected fault.
+
+Exit status: 1 where a drive that is said to be --fault-free alarms; 2 for a drive that cannot be read.")]
+pub struct ReplayArguments {
+    /// Design file (.json), which is verified first, or a specification (any other name), which is
+    /// designed
+    pub design: PathBuf,
+    /// Recorded drives (CSV, Parquet)
+    #[arg(required = true, value_name = "DRIVE")]
+    pub drives: Vec<PathBuf>,
+    /// Use the design although it is not certified, or blind; everything made of it says so
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
+    pub allow: Vec<Allowance>,
+    /// Nothing was wrong with the car: an alarm is a false one
+    #[arg(long)]
+    pub fault_free: bool,
+    /// Also run the drives with this fault, to both sides; several are runs each. KIND is bias, drift
+    /// (with rise_s, 5), oscillation (with frequency_hz, 1), in deg at the road wheel, or loss (share of the
+    /// command); TIME counts from the drive's first sample
+    #[arg(long, value_name = "KIND=SIZE[,KEY=VALUE]@TIME")]
+    pub fault: Vec<FaultRequest>,
+    /// Rows farther apart than this end a piece, and the detector starts anew, s; default: 0.25, or five
+    /// sampling periods
+    #[arg(long, value_name = "S", value_parser = gap)]
+    pub gap: Option<f64>,
+    /// Folder for summary, traces and plots
+    #[arg(short, long, value_name = "DIR", default_value = "steerguard-replay")]
+    pub output: PathBuf,
+    /// What is told of their columns
+    #[command(flatten)]
+    pub columns: ColumnArguments,
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(gap_s) if (1e-3..=60.0).contains(&gap_s) => Ok(gap_s),
+        _ => Err("expected a number from 0.001 to 60".into()),
+    }
 }
 
 /// A number from MIN to MAX.

@@ -3,6 +3,8 @@
 pub mod arguments;
 mod campaign;
 mod check;
+pub mod column_arguments;
+mod columns;
 mod design;
 mod detection_table;
 mod diagnostic;
@@ -12,6 +14,7 @@ mod main_job;
 mod package;
 mod print;
 pub mod progress;
+mod replay;
 mod simulate;
 mod verify;
 mod worst;
@@ -32,5 +35,6 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Some(Command::Check(arguments)) => check::run(arguments, cli.json),
         Some(Command::Simulate(arguments)) => simulate::run(arguments, cli.json),
         Some(Command::Campaign(arguments)) => campaign::run(arguments, cli.json),
+        Some(Command::Replay(arguments)) => replay::run(arguments, cli.json),
     }
 }

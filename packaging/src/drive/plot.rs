@@ -3,40 +3,21 @@
 
 use std::ops::Range;
 
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::drive::cosimulation::{Run, Sample};
 use crate::drive::detection::Detection;
+use crate::drive::figure::{
+    ALARM, Area, Axis, Chart, FAULT, J_RMS, J_TH, SCALE, axes, decimal, document, font, line,
+    power_of_ten,
+};
 
-/// Pixels of the drawing per pixel of the figure: lines are drawn to whole pixels.
-const SCALE: u32 = 4;
+pub use crate::drive::figure::PlotError;
+
 /// Size of one run's panel, figure pixels.
 const PANEL: (u32, u32) = (560, 350);
 /// Height of the legend, figure pixels.
 const LEGEND: u32 = 34;
-
-const J_RMS: RGBColor = RGBColor(0, 114, 178);
-const J_TH: RGBColor = RGBColor(213, 94, 0);
-const FAULT: RGBColor = RGBColor(60, 60, 60);
-const ALARM: RGBColor = RGBColor(253, 224, 221);
-const GRID: RGBColor = RGBColor(225, 225, 225);
-const AXIS: RGBColor = RGBColor(90, 90, 90);
-
-/// A figure that could not be drawn.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot draw the plot: {0}")]
-pub struct PlotError(String);
-
-impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotError {
-    fn from(error: DrawingAreaErrorKind<E>) -> Self {
-        Self(error.to_string())
-    }
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Draws `runs` with their figures as an SVG document.
 ///
@@ -46,30 +27,15 @@ pub fn svg(runs: &[(Run, Detection)]) -> Result<String, PlotError> {
     let columns = if runs.len() > 1 { 2 } else { 1 };
     let rows = runs.len().div_ceil(columns).max(1);
     let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + LEGEND);
-    let drawn = (size.0 * SCALE, size.1 * SCALE);
-
     let (decades, degrees) = (decades(runs), degrees(runs));
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, drawn).into_drawing_area();
-        root.fill(&WHITE)?;
+    document(size, |root| {
         let (legend, panels) = root.split_vertically(LEGEND * SCALE);
         draw_legend(&legend)?;
         for (panel, (run, detection)) in panels.split_evenly((rows, columns)).iter().zip(runs) {
             draw_run(panel, run, detection, &decades, &degrees)?;
         }
-        root.present()?;
-    }
-    let header = |(width, height): (u32, u32)| format!("width=\"{width}\" height=\"{height}\"");
-    Ok(text.replacen(&header(drawn), &header(size), 1))
-}
-
-fn font(size: u32) -> TextStyle<'static> {
-    ("Helvetica, Arial, sans-serif", size * SCALE).into_font().color(&BLACK)
-}
-
-fn line(color: RGBColor, tenths: u32) -> ShapeStyle {
-    color.stroke_width((tenths * SCALE / 10).max(1))
+        Ok(())
+    })
 }
 
 fn draw_legend(area: &Area<'_>) -> Result<(), PlotError> {
@@ -146,67 +112,6 @@ fn title(detection: &Detection) -> String {
         _ if detection.monitored_at_onset => format!("{speed}: no alarm"),
         _ => format!("{speed}: outside the range of the design, alarm withheld"),
     }
-}
-
-/// A vertical axis.
-struct Axis {
-    label: &'static str,
-    range: Range<f64>,
-    ticks: usize,
-    text: fn(&f64) -> String,
-}
-
-fn decimal(y: &f64) -> String {
-    format!("{}", (y * 1e6).round() / 1e6)
-}
-
-/// `10^y` for whole y.
-fn power_of_ten(y: &f64) -> String {
-    if (y - y.round()).abs() > 1e-6 {
-        return String::new();
-    }
-    let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-    let superscript = |c: char| match c.to_digit(10) {
-        Some(digit) => digits.chars().nth(digit as usize).unwrap_or(c),
-        None => '⁻',
-    };
-    let exponent: String = format!("{:.0}", y.round()).chars().map(superscript).collect();
-    format!("10{exponent}")
-}
-
-fn axes<'a, 'b>(
-    area: &'a Area<'b>,
-    title: &str,
-    end: f64,
-    axis: &Axis,
-    x_label: Option<&str>,
-) -> Result<Chart<'a, 'b>, PlotError> {
-    let mut builder = ChartBuilder::on(area);
-    builder.margin_left(8 * SCALE).margin_right(16 * SCALE).margin_top(4 * SCALE);
-    let below = if x_label.is_some() { (14, 34) } else { (0, 6) };
-    builder.margin_bottom(below.0 * SCALE);
-    builder.set_label_area_size(LabelAreaPosition::Bottom, below.1 * SCALE);
-    builder.set_label_area_size(LabelAreaPosition::Left, 56 * SCALE);
-    if !title.is_empty() {
-        builder.caption(title, font(13));
-    }
-    let mut chart = builder.build_cartesian_2d(0.0..end, axis.range.clone())?;
-    let mut mesh = chart.configure_mesh();
-    mesh.light_line_style(TRANSPARENT)
-        .bold_line_style(line(GRID, 7))
-        .axis_style(line(AXIS, 8))
-        .label_style(font(11))
-        .axis_desc_style(font(12))
-        .y_desc(axis.label)
-        .y_labels(axis.ticks)
-        .y_label_formatter(&axis.text)
-        .x_labels(if x_label.is_some() { 6 } else { 0 })
-        .x_label_formatter(&decimal);
-    if let Some(label) = x_label {
-        mesh.x_desc(label);
-    }
-    mesh.draw()?;
-    Ok(chart)
 }
 
 /// Fills the time in which the alarm is on.

@@ -1,0 +1,246 @@
+//! Why a drive cannot be read.
+
+use std::path::{Path, PathBuf};
+
+use crate::signal::Signal;
+use crate::unit::Unit;
+
+/// Why a drive cannot be read, and where.
+#[derive(Debug, thiserror::Error)]
+#[error("`{}`{}: {cause}", file.display(), at(*line))]
+pub struct DriveError {
+    /// The file.
+    pub file: PathBuf,
+    /// The line from 1; of a Parquet file the row.
+    pub line: Option<u64>,
+    /// What is wrong.
+    pub cause: Box<Cause>,
+}
+
+fn at(line: Option<u64>) -> String {
+    line.map_or(String::new(), |line| format!(" line {line}"))
+}
+
+impl DriveError {
+    /// `cause` in `file`.
+    pub(crate) fn of(file: &Path, line: Option<u64>, cause: impl Into<Cause>) -> Self {
+        Self { file: file.to_owned(), line, cause: Box::new(cause.into()) }
+    }
+}
+
+/// What is wrong with a drive.
+#[derive(Debug, thiserror::Error)]
+pub enum Cause {
+    /// The file cannot be read.
+    #[error("cannot be read: {0}")]
+    Read(#[from] std::io::Error),
+    /// The text is not made of rows.
+    #[error("is no table of text: {0}")]
+    Csv(#[from] csv::Error),
+    /// The Parquet file is damaged, or has what is not read here.
+    #[error("is no Parquet file that can be read: {0}")]
+    Parquet(#[from] parquet::errors::ParquetError),
+    /// Another format.
+    #[error("is {0}, not CSV or Parquet")]
+    Format(&'static str),
+    /// Nothing in it.
+    #[error("is empty")]
+    Empty,
+    /// A header without rows.
+    #[error("has no rows of numbers")]
+    NoRows,
+    /// One column only.
+    #[error("has a single column, `{name}`: no delimiter is found")]
+    SingleColumn {
+        /// Its name.
+        name: String,
+    },
+    /// A column that is told is not there.
+    #[error("{signal}: there is no column `{name}`; there are {}", listed(columns))]
+    NoColumn {
+        /// Of what.
+        signal: Signal,
+        /// What is told.
+        name: String,
+        /// Names of the columns.
+        columns: Vec<String>,
+    },
+    /// No column looks like a signal.
+    #[error("{signal}: no column is surely it; there are {}", listed(columns))]
+    NotFound {
+        /// Of what.
+        signal: Signal,
+        /// Names of the columns.
+        columns: Vec<String>,
+    },
+    /// Several columns look like a signal.
+    #[error("{signal}: it may be any of {}", listed(columns))]
+    Ambiguous {
+        /// Of what.
+        signal: Signal,
+        /// Names of the columns.
+        columns: Vec<String>,
+    },
+    /// Nothing says the unit.
+    #[error("{signal}: nothing says the unit of column `{name}`")]
+    NoUnit {
+        /// Of what.
+        signal: Signal,
+        /// The column.
+        name: String,
+    },
+    /// Its name or the file says a unit of something else.
+    #[error("{signal}: column `{name}` is in {unit}, which is no unit of it")]
+    OtherUnit {
+        /// Of what.
+        signal: Signal,
+        /// The column.
+        name: String,
+        /// Its unit.
+        unit: Unit,
+    },
+    /// Two signals of one column.
+    #[error("{signal} and {other} are told to be the same column `{name}`")]
+    Twice {
+        /// A signal.
+        signal: Signal,
+        /// Another.
+        other: Signal,
+        /// The column.
+        name: String,
+    },
+    /// A column of a Parquet file that holds no numbers.
+    #[error("column `{name}` holds no numbers")]
+    NoNumbers {
+        /// The column.
+        name: String,
+    },
+    /// A cell that is no number.
+    #[error("{signal}: `{text}` in column `{name}` is no number")]
+    NotANumber {
+        /// Of what.
+        signal: Signal,
+        /// The column.
+        name: String,
+        /// The cell.
+        text: String,
+    },
+    /// A signal without any number.
+    #[error("{signal}: column `{name}` has no number at all")]
+    NothingInColumn {
+        /// Of what.
+        signal: Signal,
+        /// The column.
+        name: String,
+    },
+    /// A time stamp that is none.
+    #[error("the time stamp is missing")]
+    NoTime,
+    /// Time that runs back.
+    #[error("time runs back, from {from_s} s to {to_s} s")]
+    RunsBack {
+        /// Before.
+        from_s: f64,
+        /// After.
+        to_s: f64,
+    },
+    /// Time that stands.
+    #[error("time never changes from {time_s} s")]
+    TimeStands {
+        /// The time.
+        time_s: f64,
+    },
+    /// Rows too far from each other, or too near.
+    #[error(
+        "time goes by {step_s} s a row, read in {unit}: it {}",
+        likely.map_or("is no recording of a drive".into(), |unit| format!("looks like {unit}"))
+    )]
+    Step {
+        /// Median.
+        step_s: f64,
+        /// What the time was read in.
+        unit: Unit,
+        /// What it is likely to be in.
+        likely: Option<&'static str>,
+    },
+    /// A value that no car has.
+    #[error("{signal}: {value} {} is not possible{hint}", signal.quantity().si())]
+    Impossible {
+        /// Of what.
+        signal: Signal,
+        /// In SI.
+        value: f64,
+        /// What it looks like, after a colon; or nothing.
+        hint: String,
+    },
+    /// Speed and yaw rate that no tyre holds.
+    #[error(
+        "speed and yaw rate make {acceleration_m_per_s2:.0} m/s^2 to the side for a second: one of their \
+         units is wrong{hint}"
+    )]
+    Sideways {
+        /// v_x r.
+        acceleration_m_per_s2: f64,
+        /// What it looks like, after a colon; or nothing.
+        hint: String,
+    },
+    /// Gaps everywhere.
+    #[error("nowhere are two rows with all signals less than {gap_s} s apart")]
+    NoPiece {
+        /// The longest gap that is bridged.
+        gap_s: f64,
+    },
+}
+
+fn listed(columns: &[String]) -> String {
+    columns.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+impl Cause {
+    /// What to do about it.
+    pub fn help(&self) -> Option<String> {
+        let flag = |signal: Signal, name: &str| {
+            let unit = signal.quantity().units().collect::<Vec<_>>().join(", ");
+            format!("--{} '{name}:UNIT', with one of {unit}", signal.flag())
+        };
+        Some(match self {
+            Self::Format(_) => {
+                "docs/drive-files.md has recipes that make CSV of MDF4 and MAT files".into()
+            }
+            Self::SingleColumn { .. } => "--delimiter says what stands between cells".into(),
+            Self::NoColumn { signal, name, columns } => {
+                let nearest = columns
+                    .iter()
+                    .map(|column| (strsim::normalized_damerau_levenshtein(column, name), column))
+                    .max_by(|a, b| a.0.total_cmp(&b.0))
+                    .filter(|(likeness, _)| *likeness > 0.6);
+                match nearest {
+                    Some((_, column)) => format!("--{} '{column}'?", signal.flag()),
+                    None => format!("--{} NAME:UNIT names another", signal.flag()),
+                }
+            }
+            Self::NotFound { signal, .. } | Self::Ambiguous { signal, .. } => flag(*signal, "NAME"),
+            Self::NoUnit { signal, name } | Self::OtherUnit { signal, name, .. } => {
+                flag(*signal, name)
+            }
+            Self::Twice { signal, .. } => format!("--{} names another column", signal.flag()),
+            Self::NotANumber { text, .. } if text.contains(',') => {
+                "--decimal-mark , reads numbers with a decimal comma".into()
+            }
+            Self::NotANumber { signal: Signal::Time, .. } => {
+                "time stamps are numbers, in s, ms, us or ns; --time NAME:UNIT names another column"
+                    .into()
+            }
+            Self::RunsBack { .. } => {
+                "sort the rows by time, or split the file where another recording begins".into()
+            }
+            Self::Step { likely: Some(unit), .. } => {
+                format!("--time NAME:{unit} says so")
+            }
+            Self::Impossible { signal, .. } => flag(*signal, "NAME"),
+            Self::Sideways { .. } => "--speed NAME:UNIT and --yaw NAME:UNIT say the units".into(),
+            Self::NoPiece { .. } => "--gap S bridges longer gaps".into(),
+            _ => return None,
+        })
+    }
+}
