@@ -1,5 +1,5 @@
-//! What tests share: the reference cases of `tests/cases`, an integrator, and a cache for what
-//! is slow to make.
+//! What tests share: the reference cases of `tests/cases`, an integrator, a drive as a logger records it, and
+//! a cache for what is slow to make.
 //!
 //! Whatever fails here fails the test, by a panic at its line.
 
@@ -7,4 +7,5 @@
 
 pub mod cases;
 pub mod integration;
+pub mod log;
 pub mod once;
