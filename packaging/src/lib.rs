@@ -5,6 +5,7 @@ pub mod check;
 pub mod cli;
 pub mod drive;
 pub mod fmu;
+pub mod identify;
 pub mod importer;
 pub mod output;
 pub mod platform;

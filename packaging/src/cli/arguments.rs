@@ -23,7 +23,8 @@ Examples:
   steerguard check SteeringFaultDetector.fmu     what importers may trip over
   steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
   steerguard campaign design.json --drives 1000  what the detector is worth on the road
-  steerguard replay design.json drive.csv        what it says of a recorded drive
+  steerguard identify log.csv --known told.toml  vehicle and sensors from a recorded drive
+  steerguard replay design.json drive.csv        what the detector says of one
 
 Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
 
@@ -47,6 +48,8 @@ pub struct Cli {
 /// A subcommand.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Find vehicle and sensors from recorded drives, with standard errors, and write a specification
+    Identify(Box<IdentifyArguments>),
     /// Compute the gains and the threshold for a vehicle and specification
     Design(DesignArguments),
     /// Prove a design file in exact arithmetic, without the solver
@@ -70,6 +73,40 @@ pub enum Allowance {
     Uncertified,
     /// The sight of its smallest fault of interest
     Blind,
+}
+
+/// Arguments of `identify`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard identify drive.csv --known told.toml -o my-car.toml
+  steerguard identify monday.csv tuesday.parquet --known told.toml -o my-car.toml
+  steerguard identify log.csv --known told.toml --speed 'v [km/h]' --yaw r_deg:-deg/s --steering hw:deg
+
+told.toml is a specification that holds at least
+  [vehicle]
+  mass_kg = 1476
+  front_axle_distance_m = 1.13
+  rear_axle_distance_m = 1.49
+What it states beside is taken as it is; the rest is identified: steering ratio and offset, yaw-rate bias,
+delay, stiffnesses, and with lateral acceleration yaw inertia and height of the centre of gravity.
+
+Drive a standstill of 10 s, half a minute of turns at 3 to 8 m/s, a sweep or slalom from 0.2 to 2 Hz to
+3 m/s^2 at 15 to 25 m/s. What the drives do not show is refused by name.
+
+Exit status: 1 where the drives do not show it, nothing is written; 2 for a drive that cannot be read.")]
+pub struct IdentifyArguments {
+    /// Recorded drives of one car (CSV, Parquet)
+    #[arg(required = true, value_name = "DRIVE")]
+    pub drives: Vec<PathBuf>,
+    /// What is known of the car (TOML): a specification of which mass and axle distances have to be there
+    #[arg(long, value_name = "FILE")]
+    pub known: Option<PathBuf>,
+    /// What is told of the columns
+    #[command(flatten)]
+    pub columns: ColumnArguments,
+    /// Specification to write; beside it a plot of the fit (.fit.svg)
+    #[arg(short, long, value_name = "FILE", default_value = "car.toml")]
+    pub output: PathBuf,
 }
 
 /// Arguments of `design`.

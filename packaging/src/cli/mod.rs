@@ -9,6 +9,7 @@ mod design;
 mod detection_table;
 mod diagnostic;
 pub mod failure;
+mod identify;
 mod input;
 mod main_job;
 mod package;
@@ -29,6 +30,7 @@ use crate::cli::failure::{Exit, Failure};
 pub fn run(cli: &Cli) -> Result<Exit, Failure> {
     match &cli.command {
         None => main_job::run(&cli.out, cli.json),
+        Some(Command::Identify(arguments)) => identify::run(arguments, cli.json),
         Some(Command::Design(arguments)) => design::run(arguments, cli.json),
         Some(Command::Verify(arguments)) => verify::run(arguments, cli.json),
         Some(Command::Package(arguments)) => package::run(arguments, cli.json),
