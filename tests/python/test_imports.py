@@ -17,6 +17,7 @@ ALLOWED = {
     "designer/verify": set(),
     "designer/blas-src": set(),
     "designer/drives": set(),
+    "designer/identification": {"drives"},
     "designer/drives/zstd": set(),
     "designer": {"detector", "verify", "world"},
     "modelDescription": set(),
@@ -27,8 +28,8 @@ ALLOWED = {
     "fmu/plant": {"detector", "world", "fmu-core", "model-description"},
     "fmu/plant/cdylib": {"plant", "fmu-core", "fmi2"},
     "packaging": {
-        "detector", "world", "drives", "designer", "verify", "model-description", "fmu-core", "fmi2", "fmu",
-        "plant",
+        "detector", "world", "drives", "identification", "designer", "verify", "model-description", "fmu-core",
+        "fmi2", "fmu", "plant",
     },
 }  # fmt: skip
 

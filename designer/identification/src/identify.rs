@@ -3,6 +3,7 @@
 use steerguard_drives::Piece;
 
 use crate::course::{Course, Limits};
+use crate::drives::Drives;
 use crate::error::{IdentificationError, RATIOS, SHORTEST_S};
 use crate::fit::{self, Fit, STARTS};
 use crate::identified::{Estimate, Identified, Lateral, Origin, Refused, Told, Trace};
@@ -36,25 +37,6 @@ const SURE_RATIO: f64 = 0.02;
 const PAIR: f64 = 0.95;
 /// A guessed yaw inertia may be off by as much either way.
 const GUESSED_INERTIA: f64 = 0.5;
-
-/// Drives of one vehicle, and what of them is used.
-pub(crate) struct Drives<'a> {
-    pub(crate) chassis: &'a Chassis,
-    pieces: &'a [Piece],
-    /// Whether the lateral acceleration is compared.
-    lateral: bool,
-    /// Whether the yaw inertia is neither told nor shown.
-    pub(crate) guesses_inertia: bool,
-}
-
-impl Drives<'_> {
-    /// The pieces that say something, prepared, compared within `limits`.
-    pub(crate) fn courses(&self, limits: Limits) -> Vec<Course> {
-        let long_enough = |piece: &&Piece| piece.samples.len() as f64 * piece.period_s >= 1.0;
-        let pieces = self.pieces.iter().filter(long_enough);
-        pieces.map(|piece| Course::new(piece, limits, self.lateral)).collect()
-    }
-}
 
 /// Identifies what is not `told` from `pieces`, which count together; calls `advance` [`STEPS`] times.
 ///
@@ -112,8 +94,8 @@ pub fn identify(
         yaw_rate_left_over: fit.deviations.yaw_rate,
         lateral_acceleration: lateral,
         autocorrelation: autocorrelation(&fit, 0.1),
-        compared_s: time_s(pieces, fit::compared(&courses)),
-        driven_s: driven_s(pieces),
+        compared_s: drives.time_s(fit::compared(&courses)),
+        driven_s: drives.driven_s(),
         speeds_m_per_s: speeds(&courses),
         traces: courses.iter().map(|course| trace(&told.chassis, &fit.values, course)).collect(),
     };
@@ -134,9 +116,9 @@ struct Solved {
 /// Refuses drives that no fit can help.
 fn check(drives: &Drives, told: &Told) -> Result<(), IdentificationError> {
     let courses = drives.courses(Limits::LINEAR);
-    let compared_s = time_s(drives.pieces, fit::compared(&courses));
+    let compared_s = drives.time_s(fit::compared(&courses));
     if compared_s < SHORTEST_S {
-        let driven_s = driven_s(drives.pieces);
+        let driven_s = drives.driven_s();
         return Err(IdentificationError::TooShort { compared_s, driven_s });
     }
     let changes = |column: fn(&Course) -> &Vec<f64>| {
@@ -329,15 +311,6 @@ fn refuse(identified: &mut Identified, told: &Told) -> Vec<Refused> {
         }
     }
     refused
-}
-
-/// The time of so many samples, s.
-fn time_s(pieces: &[Piece], samples: usize) -> f64 {
-    samples as f64 * pieces.first().map_or(0.0, |piece| piece.period_s)
-}
-
-fn driven_s(pieces: &[Piece]) -> f64 {
-    time_s(pieces, pieces.iter().map(|piece| piece.samples.len()).sum())
 }
 
 fn correlations(fitted: &Fit) -> Vec<(Parameter, Parameter, f64)> {

@@ -6,6 +6,7 @@
 //! show is refused by name.
 
 mod course;
+mod drives;
 mod error;
 mod fit;
 mod identified;

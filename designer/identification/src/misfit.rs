@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use crate::course::{Course, Limits};
+use crate::drives::Drives;
 use crate::fit::{self, Fit};
-use crate::identify::Drives;
 use crate::parameter::{Parameter, Parameter::*};
 
 /// By how much yaw inertias of cars scatter about M l_f l_r: the stiffnesses follow a guess of it.
