@@ -13,7 +13,7 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// Tyres are taken as linear (method 14), and what brakes or drives them as small.
+    /// Tyres are taken as linear (method 10), and what brakes or drives them as small.
     pub(crate) const LINEAR: Self = Self { lateral_m_per_s2: 4.5, longitudinal_m_per_s2: 1.0 };
     /// The same at half the lateral acceleration.
     pub(crate) const GENTLE: Self = Self { lateral_m_per_s2: 2.25, ..Self::LINEAR };

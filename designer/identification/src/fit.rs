@@ -1,5 +1,5 @@
 //! Output-error fit: several starts, a robust loss, standard errors that bear a residual that is not
-//! white, and what changes when only part of the drive is asked (method 14).
+//! white, and what changes when only part of the drive is asked (method 10).
 //!
 //! # Conventions
 //! Standard errors and misfits are relative or in SI, as [`Parameter::scale`] says.

@@ -1,5 +1,5 @@
 //! Vehicle data from recorded drives: output error of the single-track model on yaw rate and, where it
-//! is logged and the model explains it, lateral acceleration (method 14).
+//! is logged and the model explains it, lateral acceleration (method 10).
 //!
 //! # Conventions
 //! SI, ISO 8855 axes. Mass and axle distances are told; anything else may be. What the drives do not

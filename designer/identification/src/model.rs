@@ -1,5 +1,5 @@
 //! The single-track model with linear tyres along a drive: (1)-(3) at the measured speed, axle loads
-//! with the measured longitudinal acceleration (method 13, 14).
+//! with the measured longitudinal acceleration (method 10).
 //!
 //! # Conventions
 //! The implicit midpoint rule, which is stable at any speed. Below [`SLOW_M_PER_S`], where tyres take
@@ -66,7 +66,7 @@ impl Linear {
     fn new(chassis: &Chassis, values: &Values, speed: f64, acceleration: f64) -> Self {
         let Chassis { mass_kg: m, front_axle_distance_m: l_f, rear_axle_distance_m: l_r } =
             *chassis;
-        // Cornering stiffness goes with axle load (method 13).
+        // Cornering stiffness goes with axle load (method 10).
         let shift = acceleration * values[Height] / GRAVITY_M_PER_S2;
         let [front, rear, i_z] = [FrontStiffness, RearStiffness, YawInertia]
             .map(|of| values[of].clamp(LEAST, MOST).exp());
