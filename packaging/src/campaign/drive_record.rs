@@ -1,9 +1,9 @@
 //! Drives as rows of a table: flat, what does not apply left empty.
 
-use steerguard_world::{FaultKind, Manoeuvre, Tyres};
+use steerguard_world::{Manoeuvre, Tyres};
 
 use super::drive::Drive;
-use super::names::{FaultName, ManoeuvreName};
+use super::names::{FaultName, FaultNumbers, ManoeuvreName};
 use super::record::record;
 
 record! {
@@ -98,6 +98,7 @@ impl From<&Drive> for DriveRecord {
         let Drive { index, duration_s, plan, bank_deg, gusts, noise, sensor_bias, .. } = *drive;
         let Drive { vehicle, tyres, steering, v_x_scale, fault, .. } = *drive;
         let [v_x_bias_m_per_s, r_bias_rad_per_s] = sensor_bias;
+        let numbers = FaultNumbers::of(fault.as_ref());
         let mut record = Self {
             index,
             duration_s,
@@ -135,11 +136,11 @@ impl From<&Drive> for DriveRecord {
             actuator_delay_s: steering.actuator.delay_s,
             fault: FaultName::of(fault.as_ref()),
             onset_s: fault.map(|fault| fault.onset_s),
-            fault_deg: None,
-            fault_rise_s: None,
-            fault_hz: None,
-            fault_loss: None,
-            fault_delay_s: None,
+            fault_deg: numbers.angle_rad.map(f64::to_degrees),
+            fault_rise_s: numbers.rise_s,
+            fault_hz: numbers.hz,
+            fault_loss: numbers.lost,
+            fault_delay_s: numbers.delay_s,
         };
         match plan.manoeuvre {
             Manoeuvre::Roundabout { radius_m } => record.radius_m = Some(radius_m),
@@ -153,20 +154,6 @@ impl From<&Drive> for DriveRecord {
                     Some(longitudinal_acceleration_m_per_s2);
             }
             _ => {}
-        }
-        match fault.map(|fault| fault.kind) {
-            Some(FaultKind::Bias { angle_rad }) => record.fault_deg = Some(angle_rad.to_degrees()),
-            Some(FaultKind::Drift { angle_rad, rise_s }) => {
-                record.fault_deg = Some(angle_rad.to_degrees());
-                record.fault_rise_s = Some(rise_s);
-            }
-            Some(FaultKind::LossOfEffectiveness { lost }) => record.fault_loss = Some(lost),
-            Some(FaultKind::Oscillation { angle_rad, hz }) => {
-                record.fault_deg = Some(angle_rad.to_degrees());
-                record.fault_hz = Some(hz);
-            }
-            Some(FaultKind::Delay { delay_s }) => record.fault_delay_s = Some(delay_s),
-            Some(FaultKind::Stuck) | None => {}
         }
         record
     }

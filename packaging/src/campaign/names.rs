@@ -106,19 +106,38 @@ named! {
     }
 }
 
-/// Numbers that only some faults have.
-#[derive(Clone, Copy, Debug)]
-pub struct FaultNumbers {
+/// Numbers that only some faults have: all of them, or those that one has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FaultNumbers<Number = f64> {
     /// Of a bias, drift or oscillation.
-    pub angle_rad: f64,
+    pub angle_rad: Number,
     /// Of a drift.
-    pub rise_s: f64,
+    pub rise_s: Number,
     /// Of an oscillation.
-    pub hz: f64,
+    pub hz: Number,
     /// Of a loss of effectiveness, 0 to 1.
-    pub lost: f64,
+    pub lost: Number,
     /// Of a delay.
-    pub delay_s: f64,
+    pub delay_s: Number,
+}
+
+impl FaultNumbers<Option<f64>> {
+    /// Those that `fault` has.
+    pub fn of(fault: Option<&Fault>) -> Self {
+        let none = Self::default();
+        match fault.map(|fault| fault.kind) {
+            None | Some(FaultKind::Stuck) => none,
+            Some(FaultKind::Bias { angle_rad }) => Self { angle_rad: Some(angle_rad), ..none },
+            Some(FaultKind::Drift { angle_rad, rise_s }) => {
+                Self { angle_rad: Some(angle_rad), rise_s: Some(rise_s), ..none }
+            }
+            Some(FaultKind::LossOfEffectiveness { lost }) => Self { lost: Some(lost), ..none },
+            Some(FaultKind::Oscillation { angle_rad, hz }) => {
+                Self { angle_rad: Some(angle_rad), hz: Some(hz), ..none }
+            }
+            Some(FaultKind::Delay { delay_s }) => Self { delay_s: Some(delay_s), ..none },
+        }
+    }
 }
 
 impl FaultName {
@@ -135,6 +154,15 @@ impl FaultName {
             Self::Delay => FaultKind::Delay { delay_s },
         };
         Some(Fault { onset_s, kind })
+    }
+
+    /// Names of the faults that have a number.
+    pub fn having(number: fn(&FaultNumbers<Option<f64>>) -> Option<f64>) -> Vec<&'static str> {
+        let has = |name: &&Self| {
+            let any = name.with(0.0, FaultNumbers::default());
+            number(&FaultNumbers::of(any.as_ref())).is_some()
+        };
+        Self::ALL.iter().filter(has).map(|name| name.name()).collect()
     }
 
     /// The name of `fault`.

@@ -175,17 +175,16 @@ impl FaultTable {
     pub(super) fn check(&self, mistakes: &mut Mistakes) {
         mistakes.number("fault.start_s", self.start_s, Allowed::NOT_NEGATIVE);
         let table = Table { name: "fault", kind: self.kind.name() };
-        let [bias, drift, oscillation] =
-            [FaultName::Bias, FaultName::Drift, FaultName::Oscillation].map(FaultName::name);
         let angle_deg = Allowed::between(-LARGEST_FAULT_DEG, LARGEST_FAULT_DEG);
-        table.check("angle_deg", self.angle_deg, angle_deg, &[bias, drift, oscillation], mistakes);
-        table.check("rise_s", self.rise_s, Allowed::POSITIVE, &[drift], mistakes);
-        table.check("frequency_hz", self.frequency_hz, Allowed::POSITIVE, &[oscillation], mistakes);
-        let loss = FaultName::LossOfEffectiveness.name();
+        let having = FaultName::having;
+        table.check("angle_deg", self.angle_deg, angle_deg, &having(|of| of.angle_rad), mistakes);
+        table.check("rise_s", self.rise_s, Allowed::POSITIVE, &having(|of| of.rise_s), mistakes);
+        let frequency_hz = self.frequency_hz;
+        table.check("frequency_hz", frequency_hz, Allowed::POSITIVE, &having(|of| of.hz), mistakes);
         let share = Allowed::between(0.0, 1.0);
-        table.check("lost_share", self.lost_share, share, &[loss], mistakes);
-        let delay = FaultName::Delay.name();
-        table.check("delay_s", self.delay_s, Allowed::NOT_NEGATIVE, &[delay], mistakes);
+        table.check("lost_share", self.lost_share, share, &having(|of| of.lost), mistakes);
+        let late = Allowed::NOT_NEGATIVE;
+        table.check("delay_s", self.delay_s, late, &having(|of| of.delay_s), mistakes);
     }
 }
 

@@ -112,15 +112,16 @@ impl FaultRequest {
                 lost: size,
                 delay_s: 0.0,
             };
-            let is_share = kind == FaultName::LossOfEffectiveness;
+            let fault = kind.with(onset_s, numbers);
+            let own = FaultNumbers::of(fault.as_ref());
             Injection {
                 kind,
-                angle_deg: (!is_share).then_some(angle_deg),
-                lost_share: is_share.then_some(size),
-                rise_s: (kind == FaultName::Drift).then_some(rise_s),
-                frequency_hz: (kind == FaultName::Oscillation).then_some(frequency_hz),
+                angle_deg: own.angle_rad.map(|_| angle_deg),
+                lost_share: own.lost,
+                rise_s: own.rise_s,
+                frequency_hz: own.hz,
                 onset_s,
-                fault: kind.with(onset_s, numbers),
+                fault,
             }
         };
         match kind {
