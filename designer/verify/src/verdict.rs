@@ -98,7 +98,7 @@ fn of_figures(design: &Design, figures: &Figures, channels: &Channels) -> Vec<St
         Fault::Torque { .. } => "N m",
     };
     let mut statements = vec![format!(
-        "Likewise, from e_0 = 0 and with W_r = diag({w_1}, {w_2}), for any l2 fault f{}: \
+        "Likewise, from e_0 = 0 and with W_r = diag({w_1}, {w_2}), for any l2 fault f other than 0{}: \
          ||W_r r|| > beta ||f|| with beta = {beta} per {unit}.",
         condition(&channels.fault.band),
     )];
@@ -107,10 +107,20 @@ fn of_figures(design: &Design, figures: &Figures, channels: &Channels) -> Vec<St
         "Unconditionally for any l2 course d of all disturbances and bounded noise: \
          ||W_r r|| < {gamma_full_band} ||d||, in the same unit."
     ));
-    if design.d_y.is_some() {
-        statements.push(
+    statements.push(
+        if design.d_y.is_some() {
             "With the bounded sensor noise v, the error is e = x - x^ - E D_y v; v counts with all \
              it does, by the injection, by E y and by the measured premise."
+        } else {
+            "The measurement is y = C x, without noise: what sensor noise does is in none of these, but \
+             in the threshold."
+        }
+        .into(),
+    );
+    if design.spec.sampling.euler_correction {
+        statements.push(
+            "r is the residual of the model (7) in Euler's steps, before the detector takes what these \
+             leave out of it (`sampling.euler_correction`)."
                 .into(),
         );
     }
