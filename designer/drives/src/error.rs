@@ -184,6 +184,12 @@ pub enum Cause {
         /// What it looks like, after a colon; or nothing.
         hint: String,
     },
+    /// More than is taken at once.
+    #[error("there are more than {:.1} h of drive: so much is not taken at once", longest_s / 3600.0)]
+    TooLong {
+        /// What is, s.
+        longest_s: f64,
+    },
     /// Gaps everywhere.
     #[error("nowhere are two rows with all signals less than {gap_s} s apart")]
     NoPiece {
@@ -239,6 +245,10 @@ impl Cause {
             }
             Self::Impossible { signal, .. } => flag(*signal, "NAME"),
             Self::Sideways { .. } => "--speed NAME:UNIT and --yaw NAME:UNIT say the units".into(),
+            Self::TooLong { .. } => {
+                "give less: an hour with standstill, slow turns and quick steering says as much"
+                    .into()
+            }
             Self::NoPiece { .. } => "--gap S bridges longer gaps".into(),
             _ => return None,
         })

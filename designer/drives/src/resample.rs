@@ -263,16 +263,25 @@ impl<I: Iterator<Item = Result<Row, DriveError>>> Iterator for Resampler<I> {
     }
 }
 
-/// The pieces of a whole drive, for callers that need all of it at once.
+/// The pieces of a whole drive of at most `longest_s` seconds, for callers that need all of it at once.
 ///
 /// # Errors
-/// [`DriveError`] of the reader, and where there is no piece at all.
-pub fn pieces(reader: &mut Reader, spacing: Spacing) -> Result<Vec<Piece>, DriveError> {
+/// [`DriveError`] of the reader, where there is more, and where there is no piece at all.
+pub fn pieces(
+    reader: &mut Reader,
+    spacing: Spacing,
+    longest_s: f64,
+) -> Result<Vec<Piece>, DriveError> {
+    let mut left = longest_s / spacing.period_s;
     let mut pieces: Vec<Piece> = Vec::new();
     let layout = reader.layout();
     let mut last = None;
     for resampled in Resampler::new(reader.by_ref(), layout, spacing) {
         let Resampled { piece, sample } = resampled?;
+        left -= 1.0;
+        if left < 0.0 {
+            return Err(reader.error(None, Cause::TooLong { longest_s }));
+        }
         if last.replace(piece) != Some(piece) {
             let (start_s, period_s) = (sample.time_s, spacing.period_s);
             pieces.push(Piece { start_s, period_s, samples: Vec::new() });

@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use steerguard_drives::{
-    Columns, DriveError, Layout, Piece, Reader, Resampled, Resampler, Row, Sample, Spacing, Wanted,
-    pieces,
+    Cause, Columns, DriveError, Layout, Piece, Reader, Resampled, Resampler, Row, Sample, Spacing,
+    Wanted, pieces,
 };
 
 const PERIOD_S: f64 = 0.01;
@@ -138,7 +138,19 @@ fn read(text: &str) -> Vec<Piece> {
     let path = folder.path().join("drive.csv");
     std::fs::write(&path, text).unwrap();
     let mut reader = Reader::open(&path, &Columns::default(), Wanted::ALL).unwrap();
-    pieces(&mut reader, Spacing::of_period(PERIOD_S)).unwrap()
+    pieces(&mut reader, Spacing::of_period(PERIOD_S), 1e6).unwrap()
+}
+
+#[test]
+fn more_than_is_taken_at_once_is_refused_before_it_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.csv");
+    let rows: Vec<[f64; 4]> = (0..1000).map(|k| [0.01 * f64::from(k), 10.0, 0.1, 0.01]).collect();
+    std::fs::write(&path, table(&rows, ',', '.', &[0, 1, 2, 3])).unwrap();
+    let mut reader = Reader::open(&path, &Columns::default(), Wanted::ALL).unwrap();
+    let error = pieces(&mut reader, Spacing::of_period(PERIOD_S), 3.0).unwrap_err();
+    assert!(matches!(*error.cause, Cause::TooLong { longest_s: 3.0 }), "{error}");
+    assert!(reader.rows() < 500, "{}", reader.rows());
 }
 
 proptest! {
@@ -173,7 +185,7 @@ proptest! {
         let path = folder.path().join("drive.csv");
         std::fs::write(&path, format!("{header}{}", lines.join("\n"))).unwrap();
         if let Ok(mut reader) = Reader::open(&path, &Columns::default(), Wanted::ALL) {
-            let _ = pieces(&mut reader, Spacing::of_period(PERIOD_S));
+            let _ = pieces(&mut reader, Spacing::of_period(PERIOD_S), 1e6);
             reader.findings();
         }
     }

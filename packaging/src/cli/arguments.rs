@@ -101,6 +101,9 @@ pub struct IdentifyArguments {
     /// What is known of the car (TOML): a specification of which mass and axle distances have to be there
     #[arg(long, value_name = "FILE")]
     pub known: Option<PathBuf>,
+    /// Rows farther apart than this end a piece, s; default 0.25
+    #[arg(long, value_name = "S", value_parser = gap)]
+    pub gap: Option<f64>,
     /// What is told of the columns
     #[command(flatten)]
     pub columns: ColumnArguments,
