@@ -11,8 +11,8 @@ use crate::misfit::misfits;
 use crate::model::{Chassis, shown};
 use crate::parameter::{Parameter, Parameter::*, Values};
 
-/// Calls of `advance` that [`identify`] makes.
-pub const STEPS: u64 = STARTS;
+/// Calls of `advance` that [`identify`] makes at most.
+pub const STEPS: u64 = 2 * STARTS;
 
 /// Height of a passenger car's centre of gravity, m: `vehicle.centre_of_gravity_height_m`.
 const HEIGHT_M: f64 = 0.55;
@@ -38,7 +38,8 @@ const PAIR: f64 = 0.95;
 /// A guessed yaw inertia may be off by as much either way.
 const GUESSED_INERTIA: f64 = 0.5;
 
-/// Identifies what is not `told` from `pieces`, which count together; calls `advance` [`STEPS`] times.
+/// Identifies what is not `told` from `pieces`, which count together; calls `advance` at most
+/// [`STEPS`] times.
 ///
 /// # Errors
 /// [`IdentificationError`]: what is wrong with the drives, or what they do not show.
@@ -59,10 +60,8 @@ pub fn identify(
 
     let mut lateral = Lateral::NotLogged;
     let mut solved = None;
-    let mut start = None;
     if logged {
-        let with = solve(&drives, told, None, advance)?;
-        start = Some(with.fit.values);
+        let with = solve(&drives, told, advance)?;
         let left_over = with.fit.deviations.lateral_acceleration;
         let noise =
             drives.courses(Limits::LINEAR).iter().map(Course::lateral_noise).fold(0.0, f64::max);
@@ -79,7 +78,7 @@ pub fn identify(
         None => {
             drives.lateral = false;
             drives.guesses_inertia = !inertia_is_told;
-            solve(&drives, told, start, advance)?
+            solve(&drives, told, advance)?
         }
     };
     let delay_s = fit.values[Delay];
@@ -163,11 +162,10 @@ fn beforehand(told: &Told, parameter: Parameter) -> f64 {
     })
 }
 
-/// Fits what is not told: from `start`, or from several.
+/// Fits what is not told.
 fn solve(
     drives: &Drives,
     told: &Told,
-    start: Option<Values>,
     advance: &(dyn Fn() + Sync),
 ) -> Result<Solved, IdentificationError> {
     let chassis = drives.chassis;
@@ -185,22 +183,7 @@ fn solve(
     };
     let free: Vec<Parameter> = Parameter::ALL.into_iter().filter(is_free).collect();
     let courses = drives.courses(Limits::LINEAR);
-    let fit = match start {
-        None => fit::from_starts(chassis, &courses, &free, &values, advance),
-        Some(mut start) => {
-            // The yaw rate alone shows stiffness over yaw inertia.
-            let change = values[YawInertia] - start[YawInertia];
-            for parameter in Parameter::ALL {
-                let stiffness = matches!(parameter, FrontStiffness | RearStiffness);
-                match (free.contains(&parameter), stiffness) {
-                    (true, true) => start[parameter] += change,
-                    (true, false) => {}
-                    (false, _) => start[parameter] = values[parameter],
-                }
-            }
-            fit::refine(chassis, &courses, &free, &start)
-        }
-    };
+    let fit = fit::from_starts(chassis, &courses, &free, &values, advance);
     let mut fit = fit.ok_or(IdentificationError::NoFit)?;
     if !told.values.contains_key(&Lag)
         && free.contains(&Delay)

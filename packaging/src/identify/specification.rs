@@ -158,6 +158,7 @@ fn about(identified: &Identified, estimate: &Estimate) -> String {
 /// A standard error or an interval for people.
 pub fn in_words(scale: Scale, error: f64) -> String {
     match scale {
+        Scale::Relative | Scale::Share if error > 10.0 => "beyond 1000 %".to_owned(),
         Scale::Relative | Scale::Share => format!("{:.1} %", 100.0 * error),
         Scale::Degrees => format!("{:.3} deg", error.to_degrees()),
         Scale::DegreesPerSecond => format!("{:.3} deg/s", error.to_degrees()),
