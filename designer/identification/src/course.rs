@@ -40,7 +40,7 @@ pub(crate) struct Course {
     /// Smoothed: above 1 Hz the body rolls, which the model does not. Empty where not logged.
     pub(crate) lateral_acceleration: Vec<f64>,
     /// Standard deviation of the sensor's noise in it.
-    lateral_noise: f64,
+    pub(crate) lateral_noise: f64,
     /// Slope of the speed.
     pub(crate) acceleration: Vec<f64>,
     /// Whether the sample is compared.
@@ -82,11 +82,6 @@ impl Course {
             speed,
             yaw_rate,
         }
-    }
-
-    /// Standard deviation that the sensor's noise leaves in the smoothed lateral acceleration, m/s^2.
-    pub(crate) fn lateral_noise(&self) -> f64 {
-        self.lateral_noise
     }
 
     pub(crate) fn len(&self) -> usize {

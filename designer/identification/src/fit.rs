@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 
 use crate::course::Course;
-use crate::model::Chassis;
+use crate::model::{Chassis, GRAVITY_M_PER_S2};
 use crate::parameter::{Parameter, Parameter::*, Values};
 use crate::problem::{Deviations, Problem, Row};
 
@@ -30,8 +30,6 @@ const SAMPLES: usize = 90_000;
 const BLOCK_S: f64 = 2.0;
 /// Information on a combination of parameters, of columns of length 1, that counts as none.
 const LEAST_INFORMATION: f64 = 1e-14;
-/// Standard gravity, m/s^2.
-const GRAVITY_M_PER_S2: f64 = 9.80665;
 
 /// A fit of some parameters to some courses.
 #[derive(Clone, Debug)]

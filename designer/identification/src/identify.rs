@@ -63,8 +63,11 @@ pub fn identify(
     if logged {
         let with = solve(&drives, told, advance)?;
         let left_over = with.fit.deviations.lateral_acceleration;
-        let noise =
-            drives.courses(Limits::LINEAR).iter().map(Course::lateral_noise).fold(0.0, f64::max);
+        let noise = drives
+            .courses(Limits::LINEAR)
+            .iter()
+            .map(|course| course.lateral_noise)
+            .fold(0.0, f64::max);
         let in_time = with.fit.values[LateralDelay].abs() <= IN_TIME_S;
         if in_time && left_over <= (EXPLAINED.0 * noise).max(EXPLAINED.1) {
             lateral = Lateral::Used { left_over };

@@ -13,7 +13,7 @@ const SLOW_M_PER_S: f64 = 2.0;
 /// Steps of the rule a sample: at 100 Hz and 2 Hz of steering its error is then below a thousandth.
 const SUBSTEPS: usize = 2;
 /// Standard gravity, m/s^2.
-const GRAVITY_M_PER_S2: f64 = 9.80665;
+pub(crate) const GRAVITY_M_PER_S2: f64 = 9.80665;
 
 /// Logarithms of stiffnesses and yaw inertia that any vehicle has: beyond, a search learns no more.
 const LEAST: f64 = 0.0;

@@ -84,15 +84,10 @@ pub(super) fn run(arguments: &IdentifyArguments, json: bool) -> Result<Exit, Fai
     let inputs = arguments.drives.iter().chain(&arguments.known).chain(&arguments.columns.columns);
     for input in inputs {
         input::apart(input, &plot_path)?;
-        if Some(input) != arguments.known.as_ref() {
-            input::apart(input, &arguments.output)?;
-        }
+        input::apart(input, &arguments.output)?;
     }
     let known = match &arguments.known {
-        Some(path) => {
-            input::apart(path, &arguments.output)?;
-            input::text(path)?
-        }
+        Some(path) => input::text(path)?,
         None => String::new(),
     };
     let told = known::told(&known).map_err(|mistakes| match &arguments.known {

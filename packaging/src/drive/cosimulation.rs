@@ -13,6 +13,7 @@ use steerguard_world::{Steering, bank_m_per_s2, speed_control_n_m};
 
 use steerguard_designer::document::Mistakes;
 
+use crate::drive::exchange::{self, Inputs, Results};
 use crate::drive::scenario::{PlantParameter, Scenario, SensorNoise};
 use crate::drive::wheel::Wheel;
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
@@ -94,7 +95,8 @@ pub struct Sample {
     pub fault_estimate_bound: f64,
 }
 
-fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+/// 0 or 1.
+pub(crate) fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_u8(u8::from(*value))
 }
 
@@ -287,10 +289,7 @@ pub struct Rig {
 struct Ports {
     plant_inputs: [u32; 5],
     plant_outputs: [u32; 4],
-    detector_inputs: [u32; 4],
-    detector_outputs: [u32; 8],
-    alarm_and_excited: [u32; 2],
-    state_and_causes: [u32; 3],
+    detector: exchange::Ports,
 }
 
 impl Ports {
@@ -304,26 +303,7 @@ impl Ports {
                 "disturbance.yaw_moment",
             ])?,
             plant_outputs: plant.reals(["v_x", "r", "true.v_y", "true.v_x"])?,
-            detector_inputs: detector.reals(["v_x", "r", "u.T_eng", "u.delta"])?,
-            detector_outputs: detector.reals([
-                "residual.v_x",
-                "residual.r",
-                "J_rms",
-                "J_th",
-                "v_y_hat",
-                "second_ratio",
-                "fault_estimate",
-                "fault_estimate_bound",
-            ])?,
-            alarm_and_excited: [
-                detector.variable("alarm", Type::Boolean)?,
-                detector.variable("excited", Type::Boolean)?,
-            ],
-            state_and_causes: [
-                detector.variable("state", Type::Enumeration)?,
-                detector.variable("state_cause", Type::Enumeration)?,
-                detector.variable("alarm_cause", Type::Enumeration)?,
-            ],
+            detector: exchange::Ports::find(detector)?,
         })
     }
 }
@@ -444,7 +424,7 @@ impl Rig {
         self.detector.do_step(time_s, step_s)?;
         self.plant.do_step(time_s, step_s)?;
 
-        let [
+        let Results {
             residual_v_x,
             residual_r,
             j_rms,
@@ -453,10 +433,12 @@ impl Rig {
             second_ratio,
             fault_estimate,
             fault_estimate_bound,
-        ] = self.detector.get_real(self.ports.detector_outputs)?;
-        let [alarm, excited] = self.detector.get_boolean(self.ports.alarm_and_excited)?;
-        let [state, state_cause, alarm_cause] =
-            self.detector.get_integer(self.ports.state_and_causes)?;
+            alarm,
+            excited,
+            state,
+            state_cause,
+            alarm_cause,
+        } = self.ports.detector.hear(&self.detector)?;
         let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
         Ok(Sample {
             time: time_s,
@@ -473,8 +455,8 @@ impl Rig {
             j_rms,
             j_th,
             v_y_hat,
-            alarm: alarm != 0,
-            excited: excited != 0,
+            alarm,
+            excited,
             state,
             state_cause,
             alarm_cause,
@@ -503,7 +485,8 @@ impl Rig {
         excitation: &Excitation,
     ) -> Result<(), CallError> {
         let Excitation { drive_torque, steering_angle, .. } = *excitation;
-        self.detector.set_real(self.ports.detector_inputs, [v_x, r, drive_torque, steering_angle])
+        let inputs = Inputs { v_x, r, drive_torque, steering_angle };
+        self.ports.detector.tell(&mut self.detector, &inputs)
     }
 
     fn excite_plant(&mut self, excitation: &Excitation) -> Result<(), CallError> {

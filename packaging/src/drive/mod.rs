@@ -2,6 +2,7 @@
 
 pub mod cosimulation;
 pub mod detection;
+pub mod exchange;
 pub(crate) mod figure;
 pub mod kinds;
 pub mod plot;

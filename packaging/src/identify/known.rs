@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use steerguard_designer::document::{self, Allowed, Mistake, Mistakes};
+use steerguard_designer::spec::ActuatorTable;
 use steerguard_identification::{Chassis, Parameter, Told};
 
 /// The tables of a specification that say something of the vehicle. The others are read once the whole
@@ -116,8 +117,12 @@ fn find_mistakes(known: &Known, mistakes: &mut Mistakes) {
             sensors.yaw_rate_bias_deg_per_s,
             Allowed::between(-10.0, 10.0),
         ),
-        ("actuator.delay_s", actuator.delay_s, Allowed::between(0.0, 0.5)),
-        ("actuator.lag_s", actuator.lag_s, Allowed::between(0.0, 5.0)),
+        (
+            "actuator.delay_s",
+            actuator.delay_s,
+            Allowed::between(0.0, ActuatorTable::LARGEST_DELAY_S),
+        ),
+        ("actuator.lag_s", actuator.lag_s, Allowed::between(0.0, ActuatorTable::LARGEST_LAG_S)),
     ] {
         if let Some(value) = value {
             mistakes.number(key, value, allowed);

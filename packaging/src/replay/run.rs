@@ -7,7 +7,7 @@ use steerguard_drives::{
     Cause, Columns, DriveError, Finding, Reader, Resampler, Signal, Spacing, Wanted,
 };
 
-use super::detector::{Bench, Detector, Inputs};
+use super::detector::{Bench, Detector};
 use super::error::ReplayError;
 use super::fault::{FaultRequest, Injection};
 use super::figure::Thinned;
@@ -17,6 +17,7 @@ use super::torque::Torques;
 use super::trace::{Trace, TraceRow};
 use crate::campaign::names::FaultName;
 use crate::campaign::outcome::{Observation, Verdict};
+use crate::drive::exchange::Inputs;
 use crate::output;
 
 /// A drive whose columns are chosen.

@@ -3,12 +3,12 @@
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use tempfile::NamedTempFile;
 
-use super::detector::{Inputs, Results};
 use super::error::ReplayError;
-use crate::drive::cosimulation;
+use crate::drive::cosimulation::{self, as_digit};
+use crate::drive::exchange::{Inputs, Results};
 use crate::output;
 
 /// A sample of a run: the columns of its CSV file.
@@ -64,10 +64,6 @@ pub struct TraceRow {
     pub fault_estimate_bound: f64,
 }
 
-fn as_digit<S: Serializer>(value: &bool, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_u8(u8::from(*value))
-}
-
 impl TraceRow {
     /// What the detector was told and said.
     pub(super) fn new(
@@ -78,8 +74,7 @@ impl TraceRow {
         results: &Results,
     ) -> Self {
         let Inputs { v_x, r, drive_torque, steering_angle } = *inputs;
-        let Results { reals, alarm, excited, items } = *results;
-        let [
+        let Results {
             residual_v_x,
             residual_r,
             j_rms,
@@ -88,8 +83,12 @@ impl TraceRow {
             second_ratio,
             fault_estimate,
             fault_estimate_bound,
-        ] = reals;
-        let [state, state_cause, alarm_cause] = items;
+            alarm,
+            excited,
+            state,
+            state_cause,
+            alarm_cause,
+        } = *results;
         Self {
             time,
             piece,
