@@ -32,7 +32,7 @@ pub use design::file::{
     FaultFigures, FrozenRecord, LargestBeta, Performance, Rule, StartUpRecord, SynthesisRecord,
     ThresholdRecord,
 };
-pub use design::{DesignError, design};
+pub use design::{DesignError, design, design_with_drives};
 pub use progress::Step;
 pub use spec::Spec;
 pub use synthesis::obstacle::Obstacle;

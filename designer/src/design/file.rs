@@ -31,6 +31,7 @@ use crate::sight::Sight;
 use crate::spec::{AIR_KG_PER_M3, Fault, MethodName, Spec, ThresholdKind};
 use crate::threshold::calibration::Level;
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate};
+use crate::threshold::recorded::Recorded;
 use crate::threshold::searched::Searched;
 use crate::threshold::second::SecondLevels;
 
@@ -133,6 +134,10 @@ pub struct ThresholdRecord {
     /// The largest ratio of J to that level and the uncertainties' bound, start-up term aside, in the
     /// same drives of uncertain vehicles. Of kind "adaptive".
     pub uncertain: Option<Level>,
+    /// What the drives of `spec.evaluation.calibration.drives` reach likewise: J of kind "calibrated", that
+    /// ratio of kind "adaptive".
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recorded: Vec<Recorded>,
     /// The largest such ratio that a short search finds, family by family. Of kind "adaptive".
     pub searched: Vec<Searched>,
     /// The largest statistics of the second test; none where it does not run.

@@ -30,6 +30,7 @@ use crate::synthesis::obstacle::{Obstacle, diagnose};
 use crate::synthesis::solve::{AttenuationMatrices, Goal, NoSolution, Synthesis, solve};
 use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::guaranteed::PeakCertificate;
+use crate::threshold::recorded::RecordedDrive;
 use crate::threshold::second::SecondLevels;
 use crate::threshold::{self, Threshold, ThresholdError};
 
@@ -44,6 +45,12 @@ pub enum DesignError {
     /// The specification is not possible.
     #[error(transparent)]
     Spec(#[from] Mistakes),
+    /// Other drives than the specification's.
+    #[error("evaluation.calibration.drives: {named:?} are to be read and handed to the designer")]
+    Drives {
+        /// Those of the specification.
+        named: Vec<String>,
+    },
     /// The conditions contradict each other.
     #[error("the specification is infeasible: {0}")]
     Infeasible(Obstacle),
@@ -75,14 +82,31 @@ pub enum DesignError {
     File(#[from] DesignFileError),
 }
 
-/// Designs a detector for `spec`; `progress` hears of every step. The same specification gives the
-/// same design, bit for bit.
+/// Designs a detector for `spec`, whose threshold counts no recorded drives: [`design_with_drives`].
+///
+/// # Errors
+/// As there.
+pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
+    design_with_drives(spec, &[], progress)
+}
+
+/// Designs a detector for `spec` with the recorded `drives` of `evaluation.calibration.drives`, in their
+/// order; `progress` hears of every step. The same specification and drives give the same design, bit for
+/// bit.
 ///
 /// # Errors
 /// [`DesignError`]: a specification that is refused, infeasible (with the condition that stands in
-/// the way), or one that the numerics cannot master.
-pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, DesignError> {
+/// the way), or one that the numerics cannot master; other drives than the specification names.
+pub fn design_with_drives(
+    spec: &Spec,
+    drives: &[RecordedDrive],
+    progress: &mut dyn FnMut(Step),
+) -> Result<Design, DesignError> {
     spec.check()?;
+    let named = &spec.evaluation.calibration.drives;
+    if !drives.iter().map(|drive| &drive.file).eq(named) {
+        return Err(DesignError::Drives { named: named.clone() });
+    }
     let model = model::model(spec);
     let inputs = Inputs::of(spec)?;
 
@@ -94,7 +118,7 @@ pub fn design(spec: &Spec, progress: &mut dyn FnMut(Step)) -> Result<Design, Des
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
     let Evaluated { detector, threshold, peaks, sight } =
-        evaluate(spec, theorem, gains, smallest_fault_residual, progress)?;
+        evaluate(spec, drives, theorem, gains, smallest_fault_residual, progress)?;
 
     let design = Design {
         format: FORMAT.into(),
@@ -375,6 +399,7 @@ struct Evaluated {
 /// Start-up bound and threshold.
 fn evaluate(
     spec: &Spec,
+    drives: &[RecordedDrive],
     theorem: &Theorem4,
     gains: &ObserverGains,
     smallest_fault_residual: f64,
@@ -426,22 +451,25 @@ fn evaluate(
         staleness: model::staleness(spec),
         estimator: None,
     };
-    let found = threshold::threshold(spec, theorem, gains, &configuration, progress)?;
+    let found = threshold::threshold(spec, drives, theorem, gains, &configuration, progress)?;
     let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-    let of_second =
-        |x: &SecondLevels| model::estimator(spec, e.margin * x.largest(), x.in_99_of_100);
+    let of_second = |x: &SecondLevels| {
+        model::estimator(spec, e.margin * x.largest(&found.recorded), x.in_99_of_100)
+    };
     let estimator = found.second.as_ref().and_then(of_second);
     let detector = Configuration { evaluation, estimator, ..configuration };
     progress(Step::Sight);
     let sight = sight(spec, &detector, &found)?;
-    let Threshold { calibration, uncertain, searched, second, guaranteed, peaks, .. } = found;
+    let Threshold { calibration, uncertain, recorded, searched, second, guaranteed, peaks, .. } =
+        found;
     let causes = ThresholdRecord {
         kind: e.threshold,
         margin: e.margin,
         start_up: StartUpRecord { p: bound.p.each_ref().map(rows), margin: bound.margin },
         calibration,
         uncertain,
+        recorded,
         searched,
         second,
         guaranteed,

@@ -10,6 +10,8 @@ use crate::document::{Allowed, Mistake, Mistakes};
 const MOST_DRIVES: usize = 100_000;
 /// Drives of a family that make a search.
 const SEARCH_DRIVES: RangeInclusive<u64> = 400..=1_000_000;
+/// Most recorded drives.
+const MOST_RECORDED: usize = 1000;
 /// Initial lateral speeds where none are stated, m/s.
 const INITIAL_V_Y_M_PER_S: [f64; 3] = [-1.0, 0.0, 1.0];
 
@@ -39,6 +41,13 @@ pub struct Calibration {
     /// Drives that the search for the worst case takes of each family, threshold "adaptive"; 0: the drives
     /// above decide alone; default 500.
     pub search_drives: u64,
+    /// Files of recorded fault-free drives that count beside the simulated ones, of thresholds "calibrated"
+    /// and "adaptive"; relative to the specification's folder; default none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<String>,
+    /// File that says what is in their columns, relative likewise; default: guessed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<String>,
 }
 
 impl Default for Calibration {
@@ -54,6 +63,8 @@ impl Default for Calibration {
             initial_v_y_m_per_s: None,
             duration_s: 8.0,
             search_drives: 500,
+            drives: Vec::new(),
+            columns: None,
         }
     }
 }
@@ -135,6 +146,38 @@ impl Calibration {
             let allowed = format!("0, or from {least} to {most} drives");
             Mistake::value("evaluation.calibration.search_drives", searched, allowed)
         });
+    }
+
+    /// Finds recorded drives that cannot be, or cannot count for a threshold that is not `calibrated`.
+    pub(super) fn check_recorded(&self, calibrated: bool, mistakes: &mut Mistakes) {
+        let [drives, columns] =
+            ["drives", "columns"].map(|key| format!("evaluation.calibration.{key}"));
+        mistakes.unless(self.drives.len() <= MOST_RECORDED, || {
+            Mistake::value(&drives, self.drives.len(), format!("at most {MOST_RECORDED} files"))
+        });
+        for (index, file) in self.drives.iter().enumerate() {
+            let key = format!("{drives}[{index}]");
+            mistakes
+                .unless(!file.is_empty(), || Mistake::value(&key, "\"\"", "the path of a file"));
+            mistakes.unless(!self.drives[..index].contains(file), || {
+                Mistake::value(&key, format_args!("{file:?}"), "each file once")
+            });
+        }
+        mistakes.unless(calibrated || self.drives.is_empty(), || {
+            Mistake::value(
+                &drives,
+                format_args!("{:?}", self.drives),
+                "none with this kind of threshold",
+            )
+            .help("recorded drives count for the thresholds \"adaptive\" and \"calibrated\"")
+            .because_of("evaluation.threshold")
+        });
+        if let Some(file) = &self.columns {
+            mistakes.unless(!self.drives.is_empty(), || {
+                Mistake::value(&columns, format_args!("{file:?}"), "nothing without `drives`")
+                    .help("name the recorded drives whose columns it describes")
+            });
+        }
     }
 
     /// Finds what is not possible under so many disturbances and for lateral speeds in a range.

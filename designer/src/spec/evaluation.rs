@@ -111,6 +111,10 @@ impl Evaluation {
         let hold_s = Allowed::between(0.0, 3600.0);
         mistakes.number("evaluation.alarm_hold_s", self.alarm_hold_s, hold_s);
         self.calibration.check(mistakes);
+        if mistakes.sound("evaluation.threshold") {
+            let kinds = [ThresholdKind::Calibrated, ThresholdKind::Adaptive];
+            self.calibration.check_recorded(kinds.contains(&self.threshold), mistakes);
+        }
         self.check_covers(mistakes);
     }
 

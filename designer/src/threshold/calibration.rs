@@ -30,7 +30,7 @@ const MANOEUVRE_PAUSE_S: f64 = 2.0;
 const SURROUNDINGS_STREAM: u64 = 2;
 /// Share of the drives in which an estimate of the second test stays within its bound.
 const SHARE_BELOW: f64 = 0.99;
-/// Confidence of [`Level::exceeded_at_most`].
+/// Confidence of [`exceeded_at_most`].
 const CONFIDENCE: f64 = 0.95;
 
 /// One fault-free drive.
@@ -198,13 +198,19 @@ pub fn calibrate(
             level,
             worst: worst.clone(),
             drives: drives.len(),
-            monitored: sum(|x| x.monitored) / sum(|x| x.samples),
-            exceeded_at_most: 1.0 - (1.0 - CONFIDENCE).powf(1.0 / drives.len() as f64),
+            monitored: sum(|x| x.largest.monitored) / sum(|x| x.samples),
+            exceeded_at_most: exceeded_at_most(drives.len()),
         })
     };
-    let second = largest(|x| x.second).filter(|_| configuration.estimator.is_some());
-    let second = second.map(|level| (level, quantile(outcomes.iter().filter_map(|x| x.second))));
-    Ok(largest(|x| x.level).map(|j| Levels { j, second }))
+    let second = largest(|x| x.largest.second).filter(|_| configuration.estimator.is_some());
+    let second =
+        second.map(|level| (level, quantile(outcomes.iter().filter_map(|x| x.largest.second))));
+    Ok(largest(|x| x.largest.level).map(|j| Levels { j, second }))
+}
+
+/// [`Level::exceeded_at_most`] of the largest of so many drives.
+pub fn exceeded_at_most(drives: usize) -> f64 {
+    1.0 - (1.0 - CONFIDENCE).powf(1.0 / drives as f64)
 }
 
 /// What [`SHARE_BELOW`] of `values` are at most, the least that is.
@@ -228,16 +234,44 @@ pub fn worst_again(
     let detector = Detector::new(configuration)?;
     let index = drives(spec).iter().position(|drive| *drive == level.worst).unwrap_or_default();
     let population = Population::Specified;
-    Ok(run(spec, &configuration.evaluation, detector, &level.worst, index, population).level)
+    Ok(run(spec, &configuration.evaluation, detector, &level.worst, index, population)
+        .largest
+        .level)
 }
 
 /// What one drive gave.
 struct Outcome {
-    /// Largest statistic at a monitored sample, and that of the second test.
-    level: Option<f64>,
-    second: Option<f64>,
-    monitored: u64,
+    largest: Largest,
     samples: u64,
+}
+
+/// The largest statistics of a drive so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Largest {
+    /// Of its [`Population`], at a monitored sample.
+    pub level: Option<f64>,
+    /// Of the second test.
+    pub second: Option<f64>,
+    /// Monitored samples.
+    pub monitored: u64,
+}
+
+impl Largest {
+    /// Counts the sample that `detector` took last, evaluated as `evaluation` says.
+    pub fn add(&mut self, detector: &Detector, evaluation: &Evaluation, population: Population) {
+        let Output { monitor, j_rms, j_th, second_ratio, .. } = *detector.output();
+        if monitor == Monitor::Monitoring {
+            self.monitored += 1;
+            let start_up_term = detector.state().start_up.term(evaluation);
+            let level = match population {
+                Population::Specified => j_rms - start_up_term,
+                Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
+            };
+            let larger = |largest: Option<f64>, x| Some(largest.map_or(x, |y: f64| y.max(x)));
+            self.level = larger(self.level, level);
+            self.second = larger(self.second, second_ratio);
+        }
+    }
 }
 
 /// Simulates drive number `index`, which seeds its sensor noise and its vehicle.
@@ -270,26 +304,13 @@ fn run(
         period_s: t_s,
         samples,
     };
-    let mut outcome = Outcome { level: None, second: None, monitored: 0, samples };
+    let mut largest = Largest::default();
     simulation.run(
         &mut detector,
         &Disturbed { spec, drive, wind },
-        |&Sampled { detector, .. }| {
-            let Output { monitor, j_rms, j_th, second_ratio, .. } = *detector.output();
-            if monitor == Monitor::Monitoring {
-                outcome.monitored += 1;
-                let start_up_term = detector.state().start_up.term(evaluation);
-                let level = match population {
-                    Population::Specified => j_rms - start_up_term,
-                    Population::Uncertain => (j_rms - start_up_term) / (j_th - start_up_term),
-                };
-                let larger = |largest: Option<f64>, x| Some(largest.map_or(x, |y: f64| y.max(x)));
-                outcome.level = larger(outcome.level, level);
-                outcome.second = larger(outcome.second, second_ratio);
-            }
-        },
+        |&Sampled { detector, .. }| largest.add(detector, evaluation, population),
     );
-    outcome
+    Outcome { largest, samples }
 }
 
 /// Draws surroundings and wind of drive number `index`.

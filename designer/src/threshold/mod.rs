@@ -8,6 +8,7 @@
 
 pub mod calibration;
 pub mod guaranteed;
+pub mod recorded;
 pub mod searched;
 pub mod second;
 
@@ -25,6 +26,7 @@ use crate::synthesis::gains::ObserverGains;
 use crate::synthesis::theorem4::Theorem4;
 use crate::threshold::calibration::{Level, Levels, Population, calibrate, drives};
 use crate::threshold::guaranteed::{Guaranteed, PeakCertificate, peak_bounds, without_inputs};
+use crate::threshold::recorded::{Recorded, RecordedDrive, RecordedError};
 use crate::threshold::searched::{Searched, covered, searched};
 use crate::threshold::second::SecondLevels;
 use crate::worst::{Objective, UNREACHED};
@@ -69,6 +71,9 @@ pub enum ThresholdError {
          the operating range, or is too short: lengthen evaluation.calibration.duration_s"
     )]
     Calibration,
+    /// A recorded drive gives no level.
+    #[error(transparent)]
+    Recorded(#[from] RecordedError),
     /// The detector refuses the numbers found.
     #[error(transparent)]
     Configuration(#[from] ConfigurationError),
@@ -85,7 +90,9 @@ pub struct Threshold {
     pub calibration: Option<Level>,
     /// Largest J over that level and the uncertainties' bound, of kind "adaptive".
     pub uncertain: Option<Level>,
-    /// Likewise, of the drives that a search finds.
+    /// What recorded drives reach likewise, of kinds "calibrated" and "adaptive".
+    pub recorded: Vec<Recorded>,
+    /// Of kind "adaptive", the largest of the drives that a search finds.
     pub searched: Vec<Searched>,
     /// Largest statistics of the second test, where it runs.
     pub second: Option<SecondLevels>,
@@ -102,6 +109,7 @@ impl Threshold {
             uncertainty_share: 0.0,
             calibration: None,
             uncertain: None,
+            recorded: Vec::new(),
             searched: Vec::new(),
             second: None,
             guaranteed: None,
@@ -111,12 +119,14 @@ impl Threshold {
 }
 
 /// The threshold that `spec` asks for of a detector with `gains` of `theorem` and with
-/// `configuration`, whose own threshold is not looked at.
+/// `configuration`, whose own threshold is not looked at. `drives` are those of
+/// `evaluation.calibration.drives`.
 ///
 /// # Errors
 /// [`ThresholdError`] where the detector cannot run or monitors no sample, or where no bound is found.
 pub fn threshold(
     spec: &Spec,
+    drives: &[RecordedDrive],
     theorem: &Theorem4,
     gains: &ObserverGains,
     configuration: &Configuration,
@@ -128,9 +138,12 @@ pub fn threshold(
         ThresholdKind::Constant => Ok(Threshold::constant(e.constant.unwrap_or_default())),
         ThresholdKind::Calibrated => {
             let level = largest(spec, configuration, Population::Specified, progress)?.j;
+            let recorded = recorded::levels(configuration, drives, Population::Specified)?;
+            let most = recorded.iter().map(|drive| drive.level).fold(level.level, f64::max);
             Ok(Threshold {
-                calibration: Some(level.clone()),
-                ..Threshold::constant(e.margin * level.level)
+                calibration: Some(level),
+                recorded,
+                ..Threshold::constant(e.margin * most)
             })
         }
         ThresholdKind::Adaptive => {
@@ -144,17 +157,22 @@ pub fn threshold(
             let bounded = Configuration { evaluation, estimator, ..*configuration };
             let Levels { j: ratio, second: at_random } =
                 largest(spec, &bounded, Population::Uncertain, progress)?;
+            let mut recorded = recorded::levels(&bounded, drives, Population::Uncertain)?;
+            for ratio in recorded.iter_mut().filter_map(|drive| drive.second.as_mut()) {
+                *ratio *= UNREACHED;
+            }
             progress(Step::Worst);
-            let drives = e.calibration.search_drives;
-            let searched = searched(spec, &bounded, Objective::Residual, drives)?;
+            let budget = e.calibration.search_drives;
+            let searched = searched(spec, &bounded, Objective::Residual, budget)?;
             let second = at_random
                 .map(|at_random| SecondLevels::of(spec, &bounded, at_random))
                 .transpose()?;
-            let factor = e.margin * covered(&ratio, &searched, e.margin, e.covers);
+            let factor = e.margin * covered(&ratio, &recorded, &searched, e.margin, e.covers);
             Ok(Threshold {
                 uncertainty_share: factor,
                 calibration: Some(level.clone()),
                 uncertain: Some(ratio),
+                recorded,
                 searched,
                 second,
                 ..Threshold::constant(factor * level.level)

@@ -5,6 +5,7 @@ use steerguard_detector::{Configuration, ConfigurationError};
 
 use crate::spec::{Covers, Spec};
 use crate::threshold::calibration::Level;
+use crate::threshold::recorded::Recorded;
 use crate::worst::{Family, Objective, Search, worst};
 
 /// Seed of the search.
@@ -32,12 +33,19 @@ pub fn drives(searched: &[Searched]) -> u64 {
     searched.iter().map(|found| found.drives).sum()
 }
 
-/// The J/J_th that share and level cover, before their `margin`: the largest of drives at random, and, where
-/// it is to be covered, of what a search found, as far as the whole bound goes with the margin.
-pub fn covered(at_random: &Level, searched: &[Searched], margin: f64, covers: Covers) -> f64 {
+/// The J/J_th that share and level cover, before their `margin`: the largest of drives at random, of recorded
+/// ones, and, where it is to be covered, of what a search found, as far as the whole bound goes with the margin.
+pub fn covered(
+    at_random: &Level,
+    recorded: &[Recorded],
+    searched: &[Searched],
+    margin: f64,
+    covers: Covers,
+) -> f64 {
+    let driven = recorded.iter().map(|drive| drive.level).fold(at_random.level, f64::max);
     match covers {
-        Covers::RandomDrives => at_random.level,
-        Covers::WorstCase => at_random.level.max(largest(searched).min(1.0 / margin)),
+        Covers::RandomDrives => driven,
+        Covers::WorstCase => driven.max(largest(searched).min(1.0 / margin)),
     }
 }
 

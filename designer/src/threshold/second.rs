@@ -5,6 +5,7 @@ use steerguard_detector::{Configuration, ConfigurationError};
 
 use crate::spec::Spec;
 use crate::threshold::calibration::Level;
+use crate::threshold::recorded::Recorded;
 use crate::threshold::searched::{Searched, largest, searched};
 use crate::worst::{Objective, UNREACHED};
 
@@ -45,8 +46,9 @@ impl SecondLevels {
         })
     }
 
-    /// The largest of all.
-    pub fn largest(&self) -> f64 {
-        self.calibration.level.max(largest(&self.search))
+    /// The largest of all, with those of `recorded` drives.
+    pub fn largest(&self, recorded: &[Recorded]) -> f64 {
+        let recorded = recorded.iter().filter_map(|drive| drive.second);
+        recorded.fold(self.calibration.level.max(largest(&self.search)), f64::max)
     }
 }

@@ -57,14 +57,20 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     ];
     let searches = specified.calibration.search_drives > 0.0;
     let margin = causes.margin;
+    let files: Vec<_> = causes.recorded.iter().map(|drive| &drive.file).collect();
+    let named: Vec<_> = specified.calibration.drives.iter().collect();
+    same("threshold.recorded, files", &files, &named)?;
+    let recorded =
+        causes.recorded.iter().map(|drive| drive.level).fold(f64::NEG_INFINITY, f64::max);
     let (expected, [recomputed, share]) = match causes.kind.as_str() {
         "constant" => ([false; 4], [specified.constant.unwrap_or(f64::NAN), 0.0]),
         "calibrated" => {
-            let level = levels[0].map_or(f64::NAN, |level| level.level);
+            let level = levels[0].map_or(f64::NAN, |level| level.level.max(recorded));
             ([true, false, false, false], [margin * level, 0.0])
         }
         "adaptive" => {
             let [level, ratio] = levels.map(|level| level.map_or(f64::NAN, |level| level.level));
+            let ratio = ratio.max(recorded);
             let ratio = match specified.covers.as_str() {
                 "worst_case" => ratio.max(largest(&causes.searched).min(1.0 / margin)),
                 _ => ratio,
@@ -99,7 +105,9 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     same("detector.estimator, whether there is one", &estimator.is_some(), &runs)?;
     same("threshold.second, whether there is one", &second.is_some(), &runs)?;
     if let Some((levels, estimator)) = second.zip(estimator) {
-        let largest = levels.calibration.level.max(largest(&levels.search));
+        let recorded = causes.recorded.iter().filter_map(|drive| drive.second);
+        let simulated = levels.calibration.level.max(largest(&levels.search));
+        let largest = recorded.fold(simulated, f64::max);
         near("detector.estimator.threshold", estimator.threshold, margin * largest)?;
         let key = "detector.estimator.estimate_factor";
         near(key, estimator.estimate_factor, levels.in_99_of_100)?;

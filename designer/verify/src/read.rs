@@ -150,6 +150,8 @@ pub struct EvaluationOfSpec {
 #[derive(Deserialize)]
 pub struct Calibration {
     pub search_drives: f64,
+    #[serde(default)]
+    pub drives: Vec<String>,
 }
 
 #[derive(Debug, PartialEq, Deserialize)]
@@ -365,6 +367,8 @@ pub struct Threshold {
     pub start_up: StartUp,
     pub calibration: Option<Level>,
     pub uncertain: Option<Level>,
+    #[serde(default)]
+    pub recorded: Vec<Recorded>,
     pub searched: Vec<Searched>,
     pub second: Option<SecondLevels>,
     pub guaranteed: Option<Guaranteed>,
@@ -376,6 +380,15 @@ pub struct Level {
     pub level: f64,
     pub drives: f64,
     pub exceeded_at_most: f64,
+}
+
+/// What a recorded drive reached.
+#[derive(Deserialize)]
+pub struct Recorded {
+    pub file: String,
+    pub sha256: String,
+    pub level: f64,
+    pub second: Option<f64>,
 }
 
 /// The largest that a search found of a family.

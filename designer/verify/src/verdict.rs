@@ -6,7 +6,7 @@ use crate::band::Band;
 use crate::channel::Channels;
 use crate::dynamics::Residues;
 use crate::proof::{Figures, Proof};
-use crate::read::{Design, Fault, Guaranteed, Level, Searched, Status};
+use crate::read::{Design, Fault, Guaranteed, Level, Recorded, Searched, Status};
 use crate::refusal::Refusal;
 use crate::tally::Margin;
 
@@ -156,6 +156,13 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
             ));
         }
     }
+    unchecked.extend(threshold.recorded.iter().map(|Recorded { file, sha256, level, second }| {
+        let second = second.map_or(String::new(), |second| format!(", {second} of the second test"));
+        format!(
+            "`threshold.recorded`, `{file}` (SHA-256 {sha256}): {level}{second}, the largest of that recorded \
+             drive, and that the car had no fault in it"
+        )
+    }));
     let found = |key: &str, Searched { family, level, drives }: &Searched| {
         format!(
             "`threshold.{key}`, family `{family}`: {level}, the largest that a search of {drives} drives found"

@@ -6,7 +6,7 @@ use steerguard_drives::{ColumnError, Columns, DriveError, Signal};
 
 use super::column_arguments::ColumnArguments;
 use super::failure::Failure;
-use super::input;
+use super::text::read_text;
 
 /// What `arguments` tell: flags before the file.
 pub(super) fn told(arguments: &ColumnArguments) -> Result<Columns, Failure> {
@@ -34,8 +34,8 @@ pub(super) fn told(arguments: &ColumnArguments) -> Result<Columns, Failure> {
 }
 
 /// What the file at `path` tells.
-fn of_file(path: &Path) -> Result<Columns, Failure> {
-    Columns::from_toml(&input::text(path)?).map_err(|error| {
+pub(super) fn of_file(path: &Path) -> Result<Columns, Failure> {
+    Columns::from_toml(&read_text(path)?).map_err(|error| {
         Failure::bad(error)
             .at(path.display())
             .help("docs/drive-files.md shows a file of columns with every key")

@@ -24,7 +24,9 @@ pub(super) fn run(arguments: &DesignArguments, json: bool) -> Result<Exit, Failu
     let spec = input::spec(&arguments.spec)?;
     let design = {
         let progress = Progress::new();
-        input::make(&spec, &progress).map_err(|failure| failure.at(arguments.spec.display()))?
+        let folder = input::folder_of(&arguments.spec);
+        let at = |failure: Failure| failure.placed(arguments.spec.display());
+        input::make(&spec, folder, &progress).map_err(at)?
     };
     write(&design, &arguments.output)?;
     let designed = Designed { design: DesignSummary::of(&design), file: &arguments.output };

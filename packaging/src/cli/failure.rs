@@ -61,7 +61,15 @@ impl Failure {
         Self { exit: Exit::Bad, diagnostics: mistakes.diagnostics(source) }
     }
 
-    /// The same with a place, for what has none.
+    /// The same with a place where it has none.
+    pub fn placed(mut self, place: impl fmt::Display) -> Self {
+        for diagnostic in &mut self.diagnostics {
+            diagnostic.place.get_or_insert_with(|| place.to_string());
+        }
+        self
+    }
+
+    /// The same with another place.
     pub fn at(mut self, place: impl fmt::Display) -> Self {
         for diagnostic in &mut self.diagnostics {
             diagnostic.place = Some(place.to_string());

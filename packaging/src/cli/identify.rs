@@ -14,6 +14,7 @@ use steerguard_identification::{
 use super::columns::{self, unreadable};
 use super::input;
 use super::print::print;
+use super::text::read_text;
 use crate::cli::arguments::IdentifyArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
@@ -87,7 +88,7 @@ pub(super) fn run(arguments: &IdentifyArguments, json: bool) -> Result<Exit, Fai
         input::apart(input, &arguments.output)?;
     }
     let known = match &arguments.known {
-        Some(path) => input::text(path)?,
+        Some(path) => read_text(path)?,
         None => String::new(),
     };
     let told = known::told(&known).map_err(|mistakes| match &arguments.known {

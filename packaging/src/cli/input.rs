@@ -3,39 +3,24 @@
 use std::path::Path;
 
 use steerguard_designer::document::{Mistakes, Source};
-use steerguard_designer::{Design, DesignError, DesignFileError, DesignStatus, Spec};
+use steerguard_designer::threshold::recorded::RecordedDrive;
+use steerguard_designer::{
+    Design, DesignError, DesignFileError, DesignStatus, Spec, design_with_drives,
+};
+use steerguard_drives::Columns;
 use steerguard_verify::Refusal;
 
+use super::columns;
+use super::text::read_text;
 use crate::cli::arguments::Allowance;
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
 use crate::drive::scenario::Scenario;
 use crate::fmu::sight;
+use crate::replay::recording::{self, Recording};
 
-/// Text of the file at `path`.
-pub(super) fn text(path: &Path) -> Result<String, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| {
-        Failure::bad(format!("cannot read `{}`: {error}", path.display())).help(
-            "check the path; specifications and scenarios are TOML, designs are made by `steerguard \
-             design`",
-        )
-    })?;
-    decoded(bytes).map_err(|failure| failure.at(path.display()))
-}
-
-/// UTF-8 as text.
-fn decoded(bytes: Vec<u8>) -> Result<String, Failure> {
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(Failure::bad("the file is UTF-16").help("save it as UTF-8"));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
-        let byte = error.as_bytes()[valid.len()];
-        Failure::bad(format!("the file is not UTF-8: byte 0x{byte:02x} in line {line}"))
-            .help("save it as UTF-8")
-    })
-}
+/// Most samples of recorded drives, which are held in memory: 1 GB of them.
+const MOST_RECORDED_SAMPLES: usize = 20_000_000;
 
 /// Refuses to write over what is read.
 pub(super) fn apart(input: &Path, output: &Path) -> Result<(), Failure> {
@@ -48,6 +33,11 @@ pub(super) fn apart(input: &Path, output: &Path) -> Result<(), Failure> {
     }
 }
 
+/// The folder of the file at `path`.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
 fn is_design(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }
@@ -55,7 +45,7 @@ fn is_design(path: &Path) -> bool {
 /// The specification in the file at `path`, or inside the design there.
 pub(super) fn spec(path: &Path) -> Result<Spec, Failure> {
     if is_design(path) {
-        return Design::spec_from_json(&text(path)?).map_err(|error| unreadable(error, path));
+        return Design::spec_from_json(&read_text(path)?).map_err(|error| unreadable(error, path));
     }
     let help = "examples/paper.toml explains every key and states its default";
     document(path, help, Spec::from_toml)
@@ -73,7 +63,7 @@ fn document<T>(
     help: &str,
     read: impl FnOnce(&str) -> Result<T, Mistakes>,
 ) -> Result<T, Failure> {
-    let text = text(path)?;
+    let text = read_text(path)?;
     read(&text).map_err(|mistakes| {
         let source = Source { name: path.display().to_string(), text: text.into() };
         Failure::mistakes(&mistakes, &source).help(help)
@@ -89,11 +79,12 @@ pub(super) fn design(
 ) -> Result<Design, Failure> {
     let design = if is_design(path) {
         progress.say("verifying the design");
-        let text = text(path)?;
+        let text = read_text(path)?;
         steerguard_verify::verify(&text).map_err(|refusal| refused(refusal, path))?;
         Design::from_json(&text).map_err(|error| unreadable(error, path))?
     } else {
-        make(&spec(path)?, progress).map_err(|failure| failure.at(path.display()))?
+        make(&spec(path)?, folder_of(path), progress)
+            .map_err(|failure| failure.placed(path.display()))?
     };
     if let Some(missed) = &design.synthesis.unproven
         && !allowed.contains(&Allowance::Uncertified)
@@ -147,10 +138,45 @@ pub(super) fn refused(refusal: Refusal, path: &Path) -> Failure {
     failure.at(path.display()).help(help)
 }
 
-/// Designs a detector.
-pub(super) fn make(spec: &Spec, progress: &Progress) -> Result<Design, Failure> {
-    steerguard_designer::design(spec, &mut |step| progress.say(step)).map_err(|error| match error {
+/// Designs a detector for `spec`, whose recorded drives are named relative to `folder`.
+pub(super) fn make(spec: &Spec, folder: &Path, progress: &Progress) -> Result<Design, Failure> {
+    let drives = recorded(spec, folder, progress)?;
+    design_with_drives(spec, &drives, &mut |step| progress.say(step)).map_err(|error| match error {
         DesignError::Spec(error) => Failure::bad(error),
         other => Failure::no(other),
     })
+}
+
+/// Reads the drives of `evaluation.calibration.drives`, and says on the standard error output how.
+fn recorded(
+    spec: &Spec,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Vec<RecordedDrive>, Failure> {
+    let calibration = &spec.evaluation.calibration;
+    let columns = match &calibration.columns {
+        Some(file) => columns::of_file(&folder.join(file))?,
+        None => Columns::default(),
+    };
+    let mut left = MOST_RECORDED_SAMPLES;
+    let mut drives = Vec::new();
+    for name in &calibration.drives {
+        progress.say(format_args!("reading {name}"));
+        let path = folder.join(name);
+        let read = recording::read(&path, name, &columns, spec, left)
+            .map_err(|error| columns::unreadable(&error))?;
+        let Some(Recording { drive, reading, warnings }) = read else {
+            let hours = MOST_RECORDED_SAMPLES as f64 * spec.sampling.period_s / 3600.0;
+            return Err(Failure::bad(format!(
+                "evaluation.calibration.drives: more than {hours:.0} h in all with {name:?}"
+            ))
+            .help("leave drives out; `steerguard replay` takes any number"));
+        };
+        left -= drive.samples.len();
+        let warnings = warnings.into_iter().map(|warning| format!("warning: {warning}"));
+        let lines: Vec<_> = reading.into_iter().chain(warnings).collect();
+        progress.note(&format!("{}: {}", path.display(), lines.join("\n  ")));
+        drives.push(drive);
+    }
+    Ok(drives)
 }

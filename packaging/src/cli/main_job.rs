@@ -7,6 +7,7 @@ use steerguard_designer::Spec;
 
 use super::package::Packaged;
 use super::print::print;
+use super::text::read_text;
 use super::{design, input, package, simulate, verify};
 use steerguard_model_description::names;
 
@@ -40,12 +41,12 @@ struct Results {
 pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     output::create_folder(folder)?;
     let progress = Progress::new();
-    let designed = input::make(&Spec::default(), &progress)?;
+    let designed = input::make(&Spec::default(), Path::new(""), &progress)?;
     let design_file = folder.join("design.json");
     design::write(&designed, &design_file)?;
 
     progress.say("proving the design file");
-    let proof = verify::Proof::of(&steerguard_verify::verify(&input::text(&design_file)?));
+    let proof = verify::Proof::of(&steerguard_verify::verify(&read_text(&design_file)?));
     if !proof.holds {
         return Err(Failure::no(proof.text()).at(design_file.display()));
     }

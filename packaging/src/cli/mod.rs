@@ -17,6 +17,7 @@ mod print;
 pub mod progress;
 mod replay;
 mod simulate;
+mod text;
 mod verify;
 mod worst;
 

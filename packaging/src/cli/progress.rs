@@ -33,6 +33,11 @@ impl Progress {
         self.0.inc(by);
     }
 
+    /// Writes a line above it that stays, on a terminal or not.
+    pub fn note(&self, what: &str) {
+        self.0.suspend(|| eprintln!("{what}"));
+    }
+
     /// Replaces the line.
     pub fn say(&self, what: impl std::fmt::Display) {
         self.0.set_message(what.to_string());

@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
         Some(path) => open(path)?,
         None => {
             let path = folder.path().join(names::DETECTOR_FILE);
-            let design = input::make(&Spec::default(), &progress)?;
+            let design = input::make(&Spec::default(), Path::new(""), &progress)?;
             package::detector(&design, &Runtimes::detector(), &path)?;
             open(&path)?
         }

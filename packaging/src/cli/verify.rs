@@ -5,6 +5,7 @@ use steerguard_verify::{Figures, Refusal, Verdict};
 
 use super::input;
 use super::print::print;
+use super::text::read_text;
 use crate::cli::arguments::VerifyArguments;
 use crate::cli::failure::{Exit, Failure};
 
@@ -79,7 +80,7 @@ impl Proof {
 
 pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
     let path = &arguments.design;
-    let checked = steerguard_verify::verify(&input::text(path)?);
+    let checked = steerguard_verify::verify(&read_text(path)?);
     let proof = Proof::of(&checked);
     let verdict = checked.map_err(|refusal| input::refused(refusal, path))?;
     let (text, blind) = (verdict.to_string(), verdict.is_blind());

@@ -3,8 +3,9 @@
 use serde::Serialize;
 use steerguard_designer::sight::Sight;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
-use steerguard_designer::threshold::calibration::Level;
-use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names, searched};
+use steerguard_designer::threshold::calibration::{Level, exceeded_at_most};
+use steerguard_designer::threshold::recorded::Recorded;
+use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names, recorded, searched};
 use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
 
@@ -254,7 +255,8 @@ pub fn causes(design: &Design) -> Vec<Cause> {
     match (&threshold.calibration, &threshold.uncertain) {
         (Some(level), Some(ratio)) => {
             let covers = design.spec.evaluation.covers;
-            let share = searched::covered(ratio, &threshold.searched, threshold.margin, covers);
+            let ThresholdRecord { recorded, searched, margin, .. } = threshold;
+            let share = searched::covered(ratio, recorded, searched, *margin, covers);
             let cause =
                 format!("noise and disturbances: {share:.3} x {} of the vehicle", largest(level));
             causes.push(Cause { cause, j: Some(share * level.level) });
@@ -264,6 +266,7 @@ pub fn causes(design: &Design) -> Vec<Cause> {
                 surely_largest(ratio)
             );
             causes.push(Cause { cause, j: None });
+            causes.extend(recorded_ratio(recorded, ratio, margin * share));
             if !threshold.searched.is_empty() {
                 let cause = found_by_search(threshold, threshold.margin * share);
                 causes.push(Cause { cause, j: None });
@@ -271,6 +274,11 @@ pub fn causes(design: &Design) -> Vec<Cause> {
         }
         (Some(level), None) => {
             causes.push(Cause { cause: surely_largest(level), j: Some(level.level) });
+            let worst = recorded::largest(&threshold.recorded);
+            causes.extend(worst.map(|worst| Cause {
+                cause: worst_recorded(worst, &threshold.recorded, level),
+                j: Some(worst.level),
+            }));
         }
         _ => {}
     }
@@ -285,6 +293,35 @@ pub fn causes(design: &Design) -> Vec<Cause> {
         causes.push(Cause { cause, j: Some(level.level) });
     }
     causes
+}
+
+/// What recorded drives say of a threshold with so much of level and bound, beside those at random.
+fn recorded_ratio(recorded: &[Recorded], at_random: &Level, share: f64) -> Option<Cause> {
+    let worst = recorded::largest(recorded)?;
+    let mut cause = format!(
+        "J / J_th is {:.3} in {}",
+        worst.level / share,
+        worst_recorded(worst, recorded, at_random)
+    );
+    if worst.level > 1.0 {
+        cause += "; what [uncertainty] states does not explain that drive: see `steerguard replay`";
+    } else if worst.level > at_random.level {
+        cause += "; it raises the threshold";
+    }
+    Some(Cause { cause, j: None })
+}
+
+/// The worst recorded drive, and what the largest of recorded and simulated ones says of the next one.
+fn worst_recorded(worst: &Recorded, recorded: &[Recorded], simulated: &Level) -> String {
+    let all = recorded.len() + simulated.drives;
+    format!(
+        "the worst of {} recorded fault-free drives ({}); a further one, of these and the simulated ones, \
+         exceeds the largest with {:.2} % at most, of these alone with {:.0} % (95 % confidence)",
+        recorded.len(),
+        worst.file,
+        100.0 * exceeded_at_most(all),
+        100.0 * exceeded_at_most(recorded.len())
+    )
 }
 
 /// What a search found of a threshold with so much of level and bound.

@@ -15,6 +15,7 @@ mod error;
 pub mod fault;
 mod figure;
 mod preparation;
+pub mod recording;
 pub mod report;
 mod run;
 pub mod tally;

@@ -289,7 +289,7 @@ pub fn drive(
 }
 
 /// The columns, and where the torque is from.
-fn columns(reader: &Reader) -> Vec<String> {
+pub(super) fn columns(reader: &Reader) -> Vec<String> {
     let mut lines: Vec<_> = reader.chosen().choices().map(ToString::to_string).collect();
     if reader.chosen().of(Signal::DriveTorque).is_none() {
         lines.push("drive torque: no column; that of the speed's course is taken".into());
@@ -298,7 +298,7 @@ fn columns(reader: &Reader) -> Vec<String> {
 }
 
 /// What looks wrong with the signals of a drive of so many samples, `without_torque` of them.
-fn warnings(reader: &Reader, without_torque: u64, samples: f64) -> Vec<String> {
+pub(super) fn warnings(reader: &Reader, without_torque: u64, samples: f64) -> Vec<String> {
     let mut warnings = reader.chosen().left.clone();
     warnings.extend(reader.findings().iter().map(Finding::to_string));
     let missing = without_torque as f64 / samples.max(1.0);
