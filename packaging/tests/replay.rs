@@ -142,6 +142,33 @@ fn without_a_torque_that_of_the_speeds_course_is_taken() {
 }
 
 #[test]
+fn a_hand_wheel_with_a_varying_ratio_is_read_by_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    // 20 : 1 up to 0.5 deg of the road wheel, then 10 : 1.
+    let hand_wheel = |road: f64| {
+        let bend = 0.5_f64.to_radians();
+        let size = 20.0 * road.abs().min(bend) + 10.0 * (road.abs() - bend).max(0.0);
+        size.copysign(road)
+    };
+    write(folder.path(), "drive.csv", HEADER, |[t, v_x, r, torque, delta]| {
+        usual([t, v_x, r, torque, hand_wheel(delta)])
+    });
+    let columns = "[steering]\nroad_wheel_deg = [[0, 0], [10, 0.5], [50, 4.5]]\n";
+    fs::write(folder.path().join("columns.toml"), columns).unwrap();
+    let told = ["--columns", "columns.toml", "--fault-free"];
+    let (code, summary) = replayed(folder.path(), "drive.csv", &told);
+    assert_eq!(code, Some(0), "{summary}");
+    let columns = summary["drives"][0]["columns"].to_string();
+    assert!(columns.contains("to the road wheel by 5 points"), "{columns}");
+    let angles = column(&folder.path().join("out/drive.trace.csv"), "u.delta");
+    let largest = samples().iter().map(|sample| sample[4].abs()).fold(0.0, f64::max);
+    assert!(largest.to_degrees() > 0.8, "the bend is in the drive: {largest}");
+    for (angle, sample) in angles.iter().zip(samples()) {
+        assert!((angle.parse::<f64>().unwrap() - sample[4]).abs() < 1e-12, "{angle}, {sample:?}");
+    }
+}
+
+#[test]
 fn a_gap_restarts_the_detector() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "drive.csv", HEADER, |row| {

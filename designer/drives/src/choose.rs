@@ -7,6 +7,7 @@ use crate::columns::Columns;
 use crate::error::Cause;
 use crate::names::{Named, in_fmu, is_usual, taken_apart};
 use crate::signal::{Signal, Wanted};
+use crate::steering::SteeringTable;
 use crate::table::Header;
 use crate::unit::Unit;
 
@@ -25,6 +26,8 @@ pub struct Choice {
     pub turned: bool,
     /// How late it is, s.
     pub delay_s: f64,
+    /// Of the steering: from the hand wheel, which the column then has, to the road wheel.
+    pub table: Option<SteeringTable>,
     /// Whether the column was guessed by its name.
     pub guessed: bool,
     /// Whether the unit is what files usually have, and nothing says so.
@@ -35,7 +38,8 @@ impl Choice {
     /// A cell of the column in SI.
     pub(crate) fn in_si(&self, cell: f64) -> f64 {
         let si = cell * self.unit.in_si;
-        if self.turned { -si } else { si }
+        let si = if self.turned { -si } else { si };
+        self.table.as_ref().map_or(si, |table| table.road_wheel_rad(si))
     }
 }
 
@@ -46,6 +50,9 @@ impl fmt::Display for Choice {
         write!(f, "{signal}: column \"{name}\", {sign}{unit} -> {}", signal.quantity().si())?;
         if self.delay_s != 0.0 {
             write!(f, ", {} s late", self.delay_s)?;
+        }
+        if let Some(table) = &self.table {
+            write!(f, ", to the road wheel by {} points", table.points())?;
         }
         match (self.guessed, self.unit_assumed) {
             (true, _) => write!(f, " (guessed)"),
@@ -102,6 +109,7 @@ impl Chosen {
                 unit,
                 turned,
                 delay_s,
+                table: None,
                 guessed: false,
                 unit_assumed,
             });
@@ -122,6 +130,9 @@ impl Chosen {
                     chosen.left.push(format!("{cause}; not taken{help}"));
                 }
             }
+        }
+        if let Some(steering) = &mut chosen.choices[Signal::Steering.index()] {
+            steering.table.clone_from(&columns.steering_table);
         }
         Ok(chosen)
     }
@@ -199,7 +210,8 @@ fn guess(
     };
     let (unit, unit_assumed) = unit_of(headers, column, signal)?;
     let name = header.name.clone();
-    Ok(Choice { signal, column, name, unit, turned: false, delay_s, guessed: true, unit_assumed })
+    let (turned, guessed, table) = (false, true, None);
+    Ok(Choice { signal, column, name, unit, turned, delay_s, table, guessed, unit_assumed })
 }
 
 #[cfg(test)]

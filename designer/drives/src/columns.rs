@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use crate::signal::Signal;
+use crate::steering::{SteeringTable, SteeringTableError};
 use crate::unit::Unit;
 
 /// A column that a signal is in.
@@ -21,6 +22,8 @@ pub struct Column {
 pub struct Columns {
     told: [Option<Column>; Signal::ALL.len()],
     delays_s: [Option<f64>; Signal::ALL.len()],
+    /// From the hand wheel, which the steering then is, to the road wheel.
+    pub steering_table: Option<SteeringTable>,
     /// What stands between cells.
     pub delimiter: Option<u8>,
     /// What stands before the decimals: `.` or `,`.
@@ -77,6 +80,15 @@ pub enum ColumnError {
     DecimalMark {
         /// What is written.
         text: String,
+    },
+    /// A table of the steering that is none.
+    #[error("steering.road_wheel_deg: {0}")]
+    SteeringTable(#[from] SteeringTableError),
+    /// A table of the steering at another signal.
+    #[error("{signal}: `road_wheel_deg` belongs to the steering alone")]
+    NoSteering {
+        /// Of what.
+        signal: Signal,
     },
     /// The file of columns is not what it should be.
     #[error("line {line}: {message}")]
@@ -187,8 +199,9 @@ impl Columns {
         Ok(())
     }
 
-    /// Reads a file of columns: a table a signal, with `column`, `unit`, `sign` and `delay_s`; beside them
-    /// `delimiter` and `decimal_mark`.
+    /// Reads a file of columns: a table a signal, with `column`, `unit`, `sign` and `delay_s`, that of the
+    /// steering with `road_wheel_deg`, points of a [`SteeringTable`]; beside them `delimiter` and
+    /// `decimal_mark`.
     ///
     /// # Errors
     /// [`ColumnError`].
@@ -220,6 +233,12 @@ impl Columns {
             }
             if let Some(delay_s) = table.delay_s {
                 columns.set_delay(signal, delay_s)?;
+            }
+            if let Some(points) = table.road_wheel_deg {
+                if signal != Signal::Steering {
+                    return Err(ColumnError::NoSteering { signal });
+                }
+                columns.steering_table = Some(SteeringTable::of_degrees(&points)?);
             }
         }
         file.delimiter.map_or(Ok(()), |text| columns.tell_delimiter(&text))?;
@@ -263,11 +282,12 @@ struct Table {
     unit: Option<String>,
     sign: f64,
     delay_s: Option<f64>,
+    road_wheel_deg: Option<Vec<[f64; 2]>>,
 }
 
 impl Default for Table {
     fn default() -> Self {
-        Self { column: None, unit: None, sign: 1.0, delay_s: None }
+        Self { column: None, unit: None, sign: 1.0, delay_s: None, road_wheel_deg: None }
     }
 }
 
@@ -329,6 +349,8 @@ mod tests {
             ("[speed]\nsign = 2", "the sign is 2"),
             ("[speed]\ndelay_s = 9", "a delay of 9 s"),
             ("delimiter = \"ab\"", "`ab` is no delimiter"),
+            ("[speed]\nroad_wheel_deg = [[0, 0], [90, 5]]", "belongs to the steering alone"),
+            ("[steering]\nroad_wheel_deg = [[0, 0]]", "steering.road_wheel_deg: 1 points"),
         ] {
             let error = Columns::from_toml(text).unwrap_err().to_string();
             assert!(error.contains(part), "{text}: {error}");

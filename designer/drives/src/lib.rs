@@ -8,7 +8,7 @@
 //! - SI, axes ISO 8855: yaw rate, steering and lateral acceleration are positive to the left. Whoever has
 //!   other axes turns a column by a minus in its mapping.
 //! - The steering is what its sensor shows, at the hand wheel or the road wheel: neither ratio nor offset is
-//!   applied here.
+//!   applied here, a table from hand wheel to road wheel ([`SteeringTable`]) is.
 //! - Times are those of the file, s. A signal that comes late by its delay belongs to the time before that.
 //! - What is guessed of a file is said ([`Chosen`]); what looks wrong is an error with its line, or a
 //!   [`Finding`].
@@ -23,6 +23,7 @@ mod reader;
 mod resample;
 mod sample;
 mod signal;
+mod steering;
 mod table;
 mod unit;
 
@@ -34,4 +35,5 @@ pub use reader::{Layout, Reader, Row};
 pub use resample::{Resampled, Resampler, Spacing, pieces};
 pub use sample::{Piece, Sample};
 pub use signal::{Signal, Wanted};
+pub use steering::{SteeringTable, SteeringTableError};
 pub use unit::{Quantity, Unit};

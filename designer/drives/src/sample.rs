@@ -10,7 +10,7 @@ pub struct Sample {
     /// Yaw rate, rad/s.
     pub yaw_rate_rad_per_s: f64,
     /// As the steering sensor shows it, in rad: at the hand wheel or the road wheel. Ratio and offset are
-    /// not applied here.
+    /// not applied here; a table to the road wheel is.
     pub steering_rad: f64,
     /// Lateral acceleration, m/s^2, where the file has it at this time.
     pub lateral_acceleration_m_per_s2: Option<f64>,
