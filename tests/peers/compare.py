@@ -1,12 +1,14 @@
 """Compares steerguard with its peers on the same drives, at the same rate of false alarms.
 
 Peers: an extended Kalman filter with a test on the mean NIS of a window, one with a CUSUM test, and
-the detector of the paper as printed: constant threshold, W_r = I. Beside them steerguard with a
-constant in the place of its threshold's level and uncertainties, which shows what these bring.
+the detector of the paper as printed: constant threshold, W_r = I. Two more filters are told what
+steerguard is told of bank, gust and vehicle (told.py): one with the fault as a state, one with the likelihood
+ratio over onsets. Beside them steerguard with a constant in the place of its threshold's level and
+uncertainties, which shows what these bring, and with its second test, if the design has one.
 
 The thresholds of all are set on fault-free drives, so that at most as many of these have an alarm
 as the rate allows: steerguard's by `threshold_factor`. At factor 1 it is "as shipped". Then biases of random size, from other seeds, show what is detected, and biases
-of 1 degree how soon. The filters take the best process noise, window and drift of a grid: what
+of 1 degree how soon. The filters take the best process noise, window, drift and setting of a grid: what
 surely detects the smallest of the very biases that they are then judged by (where none does, what
 detects most, then soonest), which favours them.
 
@@ -19,13 +21,16 @@ import json
 import math
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from drives import Bench, Incomparable, read_design
 from judgement import Outcomes, peaks, threshold
 from kalman import Tuning, Vehicle, cusum, innovations, windowed_mean
+from limit import MANOEUVRES, Indistinguishable
+from plot import draw
+from told import Setting, ToldVehicle, fault_state, onset_ratio
 
 CONDITIONS = {
     "nominal": ["--nominal"],
@@ -38,6 +43,9 @@ ACCELERATIONS = (0.03, 0.3, 3.0)  # m/s^2
 YAW_ACCELERATIONS = (0.03, 0.3, 3.0)  # rad/s^2
 WINDOWS = (10, 40, 100)  # samples
 DRIFTS = (0.25, 0.5, 1.0, 2.0)  # standard deviations
+TOLD = (Setting(bank=0.05, wind=2.5), Setting(bank=0.2, wind=6.0))
+FAULT_WALKS = (6e-4, 2e-3)  # rad per root of s
+LIMIT_SPEEDS = (6.0, 15.0, 29.0)  # m/s
 HEAD = [
     "detector",
     "tuning",
@@ -49,7 +57,10 @@ HEAD = [
     "missed",
     "largest missed deg",
     "sure from deg",
-    "delay median s",
+    "1 deg: delay median s",
+    "95 % s",
+    "0.5 deg: seen",
+    "median s",
     "95 % s",
 ]
 
@@ -63,12 +74,15 @@ class Detector:
 
 
 SHIPPED = Detector("steerguard as shipped")
+BOTH = Detector("steerguard with second test")
 STEERGUARD = Detector("steerguard")
 CONSTANT = Detector("steerguard, constant")
 PAPER = Detector("paper")
 NIS = "EKF, NIS"
 CUSUM = "EKF, CUSUM"
-NAMES = (SHIPPED.name, STEERGUARD.name, CONSTANT.name, PAPER.name, NIS, CUSUM)
+FAULT_STATE = "EKF told, fault as a state"
+ONSET = "EKF told, likelihood ratio"
+AS_DESIGNED = (SHIPPED, BOTH)  # alarm at 1
 
 
 @dataclass(frozen=True)
@@ -80,23 +94,26 @@ class Threshold:
 
     @classmethod
     def of(cls, detector, peaks, allowed):
-        value = 1.0 if detector == SHIPPED else threshold(peaks, allowed)
+        value = 1.0 if detector in AS_DESIGNED else threshold(peaks, allowed)
         return cls(float(value), int((peaks >= value).sum()))
 
 
 class Comparison:
     """Two designs and a grid of filters on the drives of a campaign."""
 
-    def __init__(self, bench, arguments, period_s, vehicle):
+    def __init__(self, bench, arguments, design):
+        detector = design["detector"]
         self.bench = bench
         self.arguments = arguments
-        self.period_s = period_s
-        self.vehicle = vehicle
+        self.period_s = detector["model"]["sampling_period_s"]
+        self.vehicle = Vehicle.of(detector["model"])
+        self.told = ToldVehicle(detector, design["spec"]["vehicle"]["centre_of_gravity_height_m"])
+        self.has_second_test = detector["estimator"] is not None
 
     def campaign(self, condition, seed, faults):
         a = self.arguments
         return [
-            *("--drives", a.drives, "--duration", a.duration, "--seed", seed),
+            *("--drives", a.drives, "--duration", a.duration, "--seed", seed, "--mix", a.mix),
             *("--v-x-noise", a.v_x_noise, "--r-noise", a.r_noise),
             *CONDITIONS[condition],
             *faults,
@@ -114,6 +131,17 @@ class Comparison:
         ]:
             if wanted(detector):
                 yield detector, statistic
+        if self.has_second_test and wanted(BOTH):
+            yield BOTH, np.maximum(drives.j_ratio, drives.second_ratio)
+        noise = (a.v_x_noise, a.r_noise)
+        given = (noise, self.period_s, drives.y, drives.u, drives.armed)
+        for setting in TOLD:
+            of_setting = f"bank {setting.bank} m/s^2, wind {setting.wind} m/s"
+            if wanted(detector := Detector(ONSET, of_setting)):
+                yield detector, onset_ratio(self.told, setting, *given)[0]
+            for walk in FAULT_WALKS:
+                if wanted(detector := Detector(FAULT_STATE, f"{of_setting}, fault {walk} rad")):
+                    yield detector, fault_state(self.told, replace(setting, fault=walk), *given)
         for acceleration in ACCELERATIONS:
             for yaw in YAW_ACCELERATIONS:
                 of_q = f"{acceleration} m/s^2, {yaw} rad/s^2"
@@ -180,7 +208,7 @@ class Comparison:
         biases = self.biases(condition, thresholds)
         for detector in sorted(biases, key=lambda d: merit(biases[d])):
             best[detector.name] = detector  # the last one stays
-        thresholds = {best[name]: thresholds[best[name]] for name in NAMES}
+        thresholds = {d: thresholds[d] for d in thresholds if best[d.name] == d}
         return {
             "driven": condition,
             "set_on": condition,
@@ -192,8 +220,13 @@ class Comparison:
     def figures(self, condition, thresholds):
         """Of the detectors that have a threshold, on biased drives."""
         biases = self.biases(condition, thresholds)
-        one_degree = self.outcomes(condition, self.arguments.seed + 2, "1..1", thresholds)
-        return [figures_of(d, thresholds[d], biases[d], one_degree[d]) for d in thresholds]
+        one_degree, half_a_degree = (
+            self.outcomes(condition, self.arguments.seed + 2, size, thresholds)
+            for size in ("1..1", "0.5..0.5")
+        )
+        return [
+            figures_of(d, thresholds[d], biases[d], one_degree[d], half_a_degree[d]) for d in thresholds
+        ]
 
     def biases(self, condition, thresholds):
         sizes = f"0..{self.arguments.largest}"
@@ -206,7 +239,7 @@ def merit(biases):
     return -np.nan_to_num(sure, nan=np.inf), biases.detected.sum(), -biases.delay_quantile_s(0.5)
 
 
-def figures_of(detector, threshold, biases, one_degree):
+def figures_of(detector, threshold, biases, one_degree, half_a_degree):
     def finite(value):
         return float(value) if np.isfinite(value) else None
 
@@ -225,6 +258,12 @@ def figures_of(detector, threshold, biases, one_degree):
         "one_degree_missed": int((one_degree.tried & ~one_degree.detected).sum()),
         "one_degree_delay_median_s": finite(one_degree.delay_quantile_s(0.5)),
         "one_degree_delay_95_s": finite(one_degree.delay_quantile_s(0.95)),
+        "half_a_degree_detected": int(half_a_degree.detected.sum()),
+        "half_a_degree_missed": int((half_a_degree.tried & ~half_a_degree.detected).sum()),
+        "half_a_degree_delay_median_s": finite(half_a_degree.delay_quantile_s(0.5)),
+        "half_a_degree_delay_95_s": finite(half_a_degree.delay_quantile_s(0.95)),
+        "sizes_deg": biases.size_deg[biases.tried].tolist(),
+        "delays_s": [finite(delay) for delay in biases.delay_s[biases.tried]],
     }
 
 
@@ -243,7 +282,29 @@ def text(result):
             "{fault_free_hours:.2f} h".format(**condition),
         ]
         lines += table([HEAD, *map(cells, condition["detectors"])])
+    lines += ["", "What no detector can tell from bank, gusts and vehicle as stated (limit.py), deg:"]
+    lines += table(
+        [["manoeuvre", "m/s", "of a known car", "between two cars"]]
+        + [
+            [found["manoeuvre"], f"{found['speed_m_per_s']:.0f}"]
+            + [f"{found[k]:.3f}" for k in ("known_car_deg", "two_cars_deg")]
+            for found in result["limits"]
+        ]
+    )
     return "\n".join(lines)
+
+
+def limits(vehicle, noise, period_s):
+    """Of an onset, by manoeuvre and speed."""
+    for manoeuvre in MANOEUVRES:
+        for speed in LIMIT_SPEEDS:
+            hidden = Indistinguishable(vehicle, noise, period_s, manoeuvre, speed)
+            yield {
+                "manoeuvre": manoeuvre,
+                "speed_m_per_s": speed,
+                "known_car_deg": hidden.largest(1),
+                "two_cars_deg": hidden.largest(2),
+            }
 
 
 def cells(figures):
@@ -263,6 +324,10 @@ def cells(figures):
         ),
         *(number(figures[k]) for k in ("largest_missed_deg", "surely_detected_deg")),
         *(number(figures[k]) for k in ("one_degree_delay_median_s", "one_degree_delay_95_s")),
+        "{half_a_degree_detected} of {tried}".format(
+            tried=figures["half_a_degree_detected"] + figures["half_a_degree_missed"], **figures
+        ),
+        *(number(figures[k]) for k in ("half_a_degree_delay_median_s", "half_a_degree_delay_95_s")),
     ]
 
 
@@ -287,7 +352,7 @@ def parser():
     add(
         "--design",
         metavar="FILE",
-        help="design or specification; default: every key at its default",
+        help="design or specification; default: every key at its default, and the second test",
     )
     add("--paper", metavar="FILE", required=True, help="the paper's (tests/peers/run names it)")
     add("--drives", type=int, default=200, help="of each kind; default: %(default)s")
@@ -306,8 +371,10 @@ def parser():
         default=0.002,
         help="standard deviation, rad/s; default: %(default)s",
     )
+    add("--mix", choices=["standard", "classic"], default="standard", help="manoeuvres; default: %(default)s")
     add("--per-hour", type=float, default=0.1, help="false alarms allowed; default: %(default)s")
     add("-o", "--output", metavar="FILE", help="the figures as JSON")
+    add("--plot", metavar="FILE", help="what is detected of uncertain vehicles, by size (SVG, PNG, PDF)")
     return parser
 
 
@@ -316,23 +383,24 @@ def compare(arguments):
     with tempfile.TemporaryDirectory() as folder:
         made = [Path(folder, name) for name in ("design.json", "paper.json")]
         default = Path(folder, "default.toml")
-        default.write_text("", encoding="utf-8")
+        default.write_text("[estimator]\nenabled = true\n", encoding="utf-8")
         bench = Bench(arguments.steerguard, *made)
         for source, design in zip(
             [arguments.design or default, arguments.paper], made, strict=True
         ):
             bench.make(source, design)
         design = read_design(made[0])
-        model = design["detector"]["model"]
         if any(design["spec"]["actuator"].values()):
             raise Incomparable(
                 "the design has an [actuator], and the filters, which are given the command, know "
                 "of none: compare the design without it"
             )
-        comparison = Comparison(bench, arguments, model["sampling_period_s"], Vehicle.of(model))
+        comparison = Comparison(bench, arguments, design)
         settings = {k: v for k, v in vars(arguments).items() if isinstance(v, (int, float))}
         hashes = {"design": design["hash"], "paper": read_design(made[1])["hash"]}
-        return {"settings": settings, **hashes, "conditions": comparison.all()}
+        noise = (arguments.v_x_noise, arguments.r_noise)
+        hidden = list(limits(comparison.told, noise, comparison.period_s))
+        return {"settings": settings, **hashes, "limits": hidden, "conditions": comparison.all()}
 
 
 def main():
@@ -342,6 +410,8 @@ def main():
     except Incomparable as error:
         sys.exit(f"error: {error}")
     print(text(result))
+    if arguments.plot:
+        draw(result, arguments.plot)
     if arguments.output:
         Path(arguments.output).write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
 

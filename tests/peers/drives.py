@@ -29,6 +29,7 @@ class Drives:
     fault_rad: np.ndarray
     armed: np.ndarray
     j_ratio: np.ndarray  # J/J_th of the design
+    second_ratio: np.ndarray  # its second test's statistic over its threshold; 0 without
     j_past_start_up: np.ndarray  # its J less the threshold's start-up term
     j_paper: np.ndarray  # J of the paper's design
 
@@ -98,6 +99,7 @@ def joined(evaluation, ours, papers):
         fault_rad=ours["fault"],
         armed=armed,
         j_ratio=ours["J_rms"] / ours["J_th"],
+        second_ratio=ours["second_ratio"],
         j_past_start_up=ours["J_rms"] - start_up(evaluation, armed),
         j_paper=papers["J_rms"],
     )

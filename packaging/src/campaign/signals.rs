@@ -41,6 +41,7 @@ fn columns() -> Vec<Column<Signal>> {
         real("fault", |sample| sample.fault),
         real("J_rms", |sample| sample.j_rms),
         real("J_th", |sample| sample.j_th),
+        real("second_ratio", |sample| sample.second_ratio),
         integer("alarm", |(_, sample)| sample.alarm.into()),
         integer("state", |(_, sample)| sample.state.into()),
     ]
