@@ -17,7 +17,6 @@ from scipy import sparse
 from told import BANK, FAULT, GRAVITY, GUST, MASS, STATES
 
 LAMBDA = 6.6  # standard deviations: missed and false alarms of 0.05 % each
-RECORD_S = 30.0
 GUST_KNOT_S, BANK_KNOT_S = 0.25, 0.5
 BANK_RATE = np.radians(1.0) * GRAVITY  # m/s^3
 STEERING_RATE = 0.3  # rad/s, of the calibration
@@ -41,9 +40,9 @@ def steering(manoeuvre, vehicle, speed, lateral, t):
 
 
 class Indistinguishable:
-    """What a fault from `onset_s` on and everything stated does to the measurements of a manoeuvre."""
+    """What a fault from the middle of a record on and everything stated does to the measurements of a manoeuvre."""
 
-    def __init__(self, vehicle, noise, period, manoeuvre, speed, lateral=3.0, onset_s=15.0, record_s=RECORD_S):
+    def __init__(self, vehicle, noise, period, manoeuvre, speed, lateral=3.0, record_s=30.0):
         wind = vehicle.gust["speed_m_per_s"]
         gust = vehicle.gust["coefficient_n_s2_per_m2"] * wind * np.hypot(speed, wind) / vehicle.vehicle["mass_kg"]
         t = period * np.arange(round(record_s / period))
@@ -70,7 +69,7 @@ class Indistinguishable:
             u = np.array([[torque, angles[k]]])
             A = vehicle.jacobian(x, u)[0]
             B = np.zeros((3, columns))
-            B[:, 0] = (now >= onset_s) * A[:3, FAULT]
+            B[:, 0] = (now >= record_s / 2) * A[:3, FAULT]
             for place, column, knot in [(self.bank_columns, BANK, BANK_KNOT_S), (gust_columns, GUST, GUST_KNOT_S)]:
                 if place.stop > place.start:
                     index, share = divmod(now / knot, 1.0)

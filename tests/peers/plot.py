@@ -1,4 +1,4 @@
-"""Probability and delay of detection by size of the bias, with what no detector can tell.
+"""Probability and delay of detection by size of the bias, with what some pair of drives hides from any detector (limit.py).
 
 Conventions: sizes in classes of 0.05 deg, a class needs five drives; delays are medians, those of misses infinite.
 """
@@ -31,7 +31,7 @@ def draw(result, path):
     figure, (share, delay) = pyplot.subplots(2, 1, sharex=True, figsize=(8, 7), layout="constrained")
     lines = ["-", "--", "-.", ":"]
     for k, detector in enumerate(condition["detectors"]):
-        sizes, shares, delays = map(np.array, zip(*by_size(detector), strict=True))
+        sizes, shares, delays = np.array(list(by_size(detector))).reshape(-1, 3).T
         style = {"linestyle": lines[k % len(lines)], "marker": "osv^<>dx"[k % 8], "markersize": 4}
         share.plot(sizes, 100 * shares, label=detector["detector"], **style)
         seen = np.isfinite(delays)
@@ -39,7 +39,7 @@ def draw(result, path):
     for axes in (share, delay):
         axes.axvspan(min(hidden), max(hidden), color="0.85", zorder=0)
         axes.grid(alpha=0.3)
-    share.axvspan(np.nan, np.nan, color="0.85", label="what no detector can tell, by manoeuvre and speed")
+    share.axvspan(np.nan, np.nan, color="0.85", label="some pair of drives hides it from any detector")
     share.set(ylabel="detected, %", ylim=(-3, 103))
     share.legend(fontsize=8, loc="lower right")
     delay.set(xlabel="bias of the road wheel, deg", ylabel="median delay, s", yscale="log", xlim=(0, UP_TO_DEG))
