@@ -42,7 +42,7 @@ def draw(result, path):
     share.axvspan(np.nan, np.nan, color="0.85", label="some pair of drives hides it from any detector")
     share.set(ylabel="detected, %", ylim=(-3, 103))
     share.legend(fontsize=8, loc="lower right")
-    delay.set(xlabel="bias of the road wheel, deg", ylabel="median delay, s", yscale="log", xlim=(0, UP_TO_DEG))
+    delay.set(xlabel="bias of the road wheel, deg", ylabel="median delay, s", yscale="log", ylim=(0.01, 20), xlim=(0, UP_TO_DEG))
     settings = result["settings"]
     figure.suptitle(
         "Uncertain vehicles, bank and gusts; {drives} drives of {duration:.0f} s, seed {seed};\n"
