@@ -2,14 +2,14 @@
 //!
 //! For the paper's design and the default one. Criterion reports both; the ratio is that of medians over
 //! batches measured in turn, so that whatever else the machine does meets both alike. Last, the cost of a
-//! sample against the length of the window.
+//! sample against the length of the window, and with and without the second test.
 #![allow(missing_docs, reason = "made by criterion's macro")]
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use steerguard_bench::{Detector, Error, designs, fmu, inputs};
+use steerguard_bench::{Detector, Error, designs, fmu, inputs, with_second_test};
 use steerguard_fmu::BakedDesign;
 
 const BATCHES: usize = 401;
@@ -89,7 +89,8 @@ fn compare(criterion: &mut Criterion) {
             of_design(criterion, name, design)?;
         }
         let [_, (_, default)] = &designs;
-        of_windows(default)
+        of_windows(default)?;
+        of_second_test(default)
     }) {
         eprintln!("error: {error}");
     }
@@ -127,6 +128,28 @@ fn of_windows(design: &BakedDesign) -> Result<(), Error> {
         let [ours, _] = in_turn(&mut pair(&design)?, step);
         println!("{window:>5} samples {ours:>7.1} ns  {}", "#".repeat((ours / 5.0) as usize));
     }
+    Ok(())
+}
+
+/// What the second test costs beside the `default` design.
+fn of_second_test(default: &BakedDesign) -> Result<(), Error> {
+    let packaged = |name, design: &BakedDesign| -> Result<_, Error> {
+        let step_s = design.configuration.model.sampling_period_s;
+        let mut detector = Detector::packaged(&fmu(design)?, step_s)?;
+        for k in 0..1000 {
+            detector.set(&inputs(k));
+            detector.step();
+        }
+        Ok((name, detector))
+    };
+    let mut pair = [packaged("without", default)?, packaged("with", &with_second_test()?)?];
+    let bytes = [pair[0].1.state_bytes()?, pair[1].1.state_bytes()?];
+    let [lean, rich] = in_turn(&mut pair, cycle);
+    println!(
+        "default design, second test: set, doStep, get {lean:.1} ns without, {rich:.1} ns with; \
+         state {} and {} bytes",
+        bytes[0], bytes[1]
+    );
     Ok(())
 }
 

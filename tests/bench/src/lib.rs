@@ -10,6 +10,7 @@ use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
+use steerguard_designer::spec::EstimatorTable;
 use steerguard_designer::{Spec, design};
 use steerguard_detector::{Actuator, Configuration};
 use steerguard_fmi2::pointers;
@@ -32,6 +33,16 @@ pub fn designs() -> Result<[(&'static str, BakedDesign); 2], Error> {
     Ok([("paper", designed(&Spec::paper())?), ("default", designed(&Spec::default())?)])
 }
 
+/// The default design with its second test, which has no twin in plain C.
+///
+/// # Errors
+/// What designing says.
+pub fn with_second_test() -> Result<BakedDesign, Error> {
+    let estimator = EstimatorTable { enabled: true };
+    let spec = Spec { estimator, ..Spec::default() };
+    Ok(baked(&design(&spec, &mut |_| {})?)?)
+}
+
 /// The FMU of `design`.
 ///
 /// # Errors
@@ -48,7 +59,7 @@ pub struct Detector {
     component: *mut c_void,
     step_s: f64,
     steps: u64,
-    _code: Library,
+    code: Library,
 }
 
 impl Detector {
@@ -142,7 +153,7 @@ impl Detector {
                 *code.get::<pointers::fmi2GetReal>("fmi2GetReal")?,
             )
         };
-        Ok(Self { set_real, do_step, get_real, component, step_s, steps: 0, _code: code })
+        Ok(Self { set_real, do_step, get_real, component, step_s, steps: 0, code })
     }
 
     /// Sets v_x, r, T_eng, delta.
@@ -170,6 +181,36 @@ impl Detector {
     pub fn detectability(&self) -> f64 {
         let [detectability] = self.values([V::Detectability]);
         detectability
+    }
+
+    /// Bytes of a serialised state of an FMU.
+    ///
+    /// # Errors
+    /// If the library is no FMU, or refuses a call.
+    pub fn state_bytes(&self) -> Result<usize, Error> {
+        // SAFETY: the FMI 2.0 headers declare the functions with these types.
+        let (get, size, free) = unsafe {
+            (
+                *self.code.get::<pointers::fmi2GetFMUstate>("fmi2GetFMUstate")?,
+                *self
+                    .code
+                    .get::<pointers::fmi2SerializedFMUstateSize>("fmi2SerializedFMUstateSize")?,
+                *self.code.get::<pointers::fmi2FreeFMUstate>("fmi2FreeFMUstate")?,
+            )
+        };
+        let (mut state, mut bytes) = (ptr::null_mut(), 0);
+        // SAFETY: a live instance, and a state that it gave.
+        let statuses = unsafe {
+            [
+                get(self.component, &raw mut state),
+                size(self.component, state, &raw mut bytes),
+                free(self.component, &raw mut state),
+            ]
+        };
+        if statuses.iter().any(|&status| status != fmi2Status::fmi2OK) {
+            return Err(format!("the state answered {statuses:?}").into());
+        }
+        Ok(bytes)
     }
 
     fn values<const N: usize>(&self, variables: [V; N]) -> [f64; N] {
