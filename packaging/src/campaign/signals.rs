@@ -79,7 +79,7 @@ pub fn write(
             table.write(&drive)?;
         }
     }
-    Ok(output::finish(table.finish()?, path)?)
+    Ok(table.finish()?.finish()?)
 }
 
 /// The samples of drive `index`.

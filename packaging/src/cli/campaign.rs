@@ -24,6 +24,7 @@ use crate::cli::progress::Progress;
 use crate::drive::cosimulation::Run;
 use crate::drive::simulation::csv;
 use crate::fmu::runtime::Runtimes;
+use crate::output::temporary::TemporaryFolder;
 
 /// What was driven of a campaign, and the report once that is complete.
 #[derive(Serialize)]
@@ -132,7 +133,7 @@ fn bounds(arguments: &CampaignArguments, described: &UncertaintyTable) -> Uncert
 
 /// Packages both FMUs and loads them.
 fn bench(design: &Design, settings: Settings) -> Result<(TestBench, Manifest), Failure> {
-    let folder = tempfile::tempdir()
+    let folder = TemporaryFolder::new()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
     let detector = folder.path().join(names::DETECTOR_FILE);
     let plant = folder.path().join(names::PLANT_FILE);

@@ -1,8 +1,9 @@
-//! Results on standard output.
+//! Results on standard output, or on the standard error output where a file was written to the former.
 
 use serde::Serialize;
 
 use crate::cli::failure::Failure;
+use crate::output;
 
 /// Prints a result: the text for people, or the value as JSON.
 pub fn print(json: bool, value: &impl Serialize, text: &str) -> Result<(), Failure> {
@@ -12,12 +13,9 @@ pub fn print(json: bool, value: &impl Serialize, text: &str) -> Result<(), Failu
     } else {
         text.to_owned()
     };
-    let written = std::io::stdout().lock().write_all(text.as_bytes());
-    match written {
-        // Whoever closed the pipe has read enough.
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::bad(format!("cannot write the result: {error}")))
-        }
-        _ => Ok(()),
-    }
+    let written = match output::is_taken() {
+        true => std::io::stderr().lock().write_all(text.as_bytes()),
+        false => std::io::stdout().lock().write_all(text.as_bytes()),
+    };
+    written.map_err(|error| Failure::bad(format!("cannot write the result: {error}")))
 }

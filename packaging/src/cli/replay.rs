@@ -16,6 +16,7 @@ use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
 use crate::fmu::runtime::Runtimes;
 use crate::output;
+use crate::output::temporary::TemporaryFolder;
 use crate::replay::report::Summary;
 use crate::replay::{self, Bench, OpenDrive, Outputs, ReplayError};
 
@@ -72,7 +73,7 @@ fn listed(summary: &Summary, path: &Path) -> String {
 
 /// Packages the detector and loads it.
 fn bench(design: &Design) -> Result<Bench, Failure> {
-    let folder = tempfile::tempdir()
+    let folder = TemporaryFolder::new()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
     let path = folder.path().join(names::DETECTOR_FILE);
     package::detector(design, &Runtimes::detector(), &path)?;

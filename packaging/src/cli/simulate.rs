@@ -19,6 +19,7 @@ use crate::drive::simulation::{Files, Simulation, SimulationError};
 use crate::fmu::runtime::Runtimes;
 use crate::importer::Fmu;
 use crate::output;
+use crate::output::temporary::TemporaryFolder;
 
 /// What simulated drives showed, and where they are recorded.
 #[derive(Serialize)]
@@ -37,7 +38,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
         Some(path) => input::scenario(path)?,
     };
     let progress = Progress::new();
-    let folder = tempfile::tempdir()
+    let folder = TemporaryFolder::new()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
     let detector = match &arguments.detector {
         Some(path) => open(path)?,

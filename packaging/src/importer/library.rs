@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use steerguard_fmi2::pointers;
-use tempfile::TempDir;
+
+use crate::output::temporary::TemporaryFolder;
 
 macro_rules! library {
     ($($field:ident: $function:ident,)+) => {
@@ -13,12 +14,12 @@ macro_rules! library {
             /// Keeps the code mapped for as long as the pointers above live.
             _code: libloading::Library,
             /// The unpacked FMU, removed after the code is unmapped.
-            _folder: TempDir,
+            _folder: TemporaryFolder,
         }
 
         impl Library {
             /// Loads the library at `path`, inside `folder`, and looks up its functions.
-            pub(super) fn load(path: &Path, folder: TempDir) -> Result<Self, libloading::Error> {
+            pub(super) fn load(path: &Path, folder: TemporaryFolder) -> Result<Self, libloading::Error> {
                 // SAFETY: loading runs the library's initialisers. An FMU is code that the user
                 // chose to run; nothing in this process relies on what initialisers may change.
                 let code = unsafe { libloading::Library::new(path)? };

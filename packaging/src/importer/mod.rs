@@ -21,6 +21,7 @@ pub use log::LogMessage;
 pub use unpack::UnpackError;
 pub(crate) use unpack::{MAX_ENTRIES, MAX_UNPACKED_BYTES};
 
+use crate::output::temporary::TemporaryFolder;
 use crate::platform::Platform;
 use library::Library;
 
@@ -104,7 +105,7 @@ impl Fmu {
     }
 
     fn load(path: &Path, name: String) -> Result<Self, ImportCause> {
-        let folder = tempfile::tempdir().map_err(UnpackError::Io)?;
+        let folder = TemporaryFolder::new().map_err(UnpackError::Io)?;
         unpack::unpack(path, folder.path())?;
         let text = fs::read_to_string(folder.path().join("modelDescription.xml"))
             .map_err(ImportCause::NoDescription)?;

@@ -1,15 +1,14 @@
 //! A run, sample by sample, as CSV: inputs and results under the names of the FMU's variables.
 
 use std::io::BufWriter;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
-use tempfile::NamedTempFile;
 
 use super::error::ReplayError;
 use crate::drive::cosimulation::{self, as_digit};
 use crate::drive::exchange::{Inputs, Results};
-use crate::output;
+use crate::output::{self, Output};
 
 /// A sample of a run: the columns of its CSV file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -137,15 +136,14 @@ impl TraceRow {
 
 /// A trace that is being written.
 pub(super) struct Trace {
-    path: PathBuf,
-    writer: csv::Writer<BufWriter<NamedTempFile>>,
+    writer: csv::Writer<BufWriter<Output>>,
 }
 
 impl Trace {
     /// Begins the file at `path`.
     pub fn begin(path: &Path) -> Result<Self, ReplayError> {
         let file = BufWriter::with_capacity(1 << 16, output::begin(path)?);
-        Ok(Self { path: path.to_owned(), writer: csv::Writer::from_writer(file) })
+        Ok(Self { writer: csv::Writer::from_writer(file) })
     }
 
     /// Adds a sample.
@@ -158,6 +156,6 @@ impl Trace {
         let buffer =
             self.writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
         let file = buffer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-        Ok(output::finish(file, &self.path)?)
+        Ok(file.finish()?)
     }
 }

@@ -1,0 +1,192 @@
+//! Temporary files and folders: named ours, and removed when they are no longer needed, when the command is
+//! interrupted, or, where it was killed, by the next one.
+//!
+//! # Conventions
+//! Whoever makes one holds a lock on it, of a folder on a file inside, for as long as it lives. What is not locked
+//! was left over by a command that was killed.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::{Builder, NamedTempFile, TempDir};
+
+/// What names of files begin with, and of folders.
+const FILE: &str = ".steerguard-";
+const FOLDER: &str = "steerguard-fmu-";
+/// The file in a folder that is locked, and what it is called until it is.
+const LOCK: &str = ".lock";
+const UNLOCKED: &str = ".lock-new";
+
+/// What there is at the moment.
+static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all that there is at the moment: the command ends.
+pub fn remove_all() {
+    for path in live().iter() {
+        remove(path);
+    }
+}
+
+/// What cannot be removed stays.
+fn remove(path: &Path) {
+    let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+}
+
+/// An entry of [`LIVE`].
+#[derive(Debug)]
+struct Entry(PathBuf);
+
+impl Entry {
+    fn new(path: &Path) -> Self {
+        live().insert(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Entry {
+    fn drop(&mut self) {
+        live().remove(&self.0);
+    }
+}
+
+/// A file.
+#[derive(Debug)]
+pub(super) struct TemporaryFile {
+    file: NamedTempFile,
+    _entry: Entry,
+}
+
+impl TemporaryFile {
+    /// A file in `folder`.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        sweep(folder, FILE, |path| File::open(path).ok());
+        loop {
+            let mut builder = Builder::new();
+            builder.prefix(FILE);
+            #[cfg(unix)]
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
+            let file = builder.tempfile_in(folder)?;
+            let entry = Entry::new(file.path());
+            // Where there are no locks, nothing is swept either.
+            let _ = file.as_file().lock();
+            // Another command may have taken it for a left-over before it was locked.
+            if file.path().exists() {
+                return Ok(Self { file, _entry: entry });
+            }
+        }
+    }
+
+    pub fn as_file(&mut self) -> &mut File {
+        self.file.as_file_mut()
+    }
+
+    /// Renames it to `path`.
+    pub fn persist(self, path: &Path) -> io::Result<()> {
+        self.file.persist(path).map(|_| ()).map_err(|error| error.error)
+    }
+}
+
+/// A folder, removed with what is in it.
+#[derive(Debug)]
+pub struct TemporaryFolder {
+    folder: TempDir,
+    _lock: File,
+    _entry: Entry,
+}
+
+impl TemporaryFolder {
+    /// A folder where temporary files belong.
+    ///
+    /// # Errors
+    /// If there can be none.
+    pub fn new() -> io::Result<Self> {
+        let parent = std::env::temp_dir();
+        sweep(&parent, FOLDER, |path| File::open(path.join(LOCK)).ok());
+        let folder = Builder::new().prefix(FOLDER).tempdir_in(&parent).map_err(|error| {
+            let message =
+                format!("in `{}` (TMPDIR names another folder): {error}", parent.display());
+            io::Error::new(error.kind(), message)
+        })?;
+        let entry = Entry::new(folder.path());
+        let unlocked = folder.path().join(UNLOCKED);
+        let lock = File::create(&unlocked)?;
+        if lock.lock().is_ok() {
+            fs::rename(unlocked, folder.path().join(LOCK))?;
+        }
+        Ok(Self { folder, _lock: lock, _entry: entry })
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes what is left over in `folder` under names that begin with `prefix` and whose lock, opened by `lock`, nobody
+/// holds.
+fn sweep(folder: &Path, prefix: &str, lock: impl Fn(&Path) -> Option<File>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if !entry.file_name().to_string_lossy().starts_with(prefix) {
+            continue;
+        }
+        let path = entry.path();
+        let Some(file) = lock(&path) else { continue };
+        match file.try_lock() {
+            Ok(()) => remove(&path),
+            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_killed_command_left_is_removed_and_what_lives_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let left = folder.path().join(".steerguard-left");
+        let other = folder.path().join("steerguard-notes.txt");
+        fs::write(&left, "half").unwrap();
+        fs::write(&other, "kept").unwrap();
+        let first = TemporaryFile::new(folder.path()).unwrap();
+        assert!(!left.exists() && other.exists());
+        let _second = TemporaryFile::new(folder.path()).unwrap();
+        assert!(first.file.path().exists());
+        first.persist(&folder.path().join("a")).unwrap();
+    }
+
+    #[test]
+    fn folders_are_swept_by_the_lock_inside() {
+        let parent = tempfile::tempdir().unwrap();
+        let made = |name: &str| {
+            let folder = parent.path().join(format!("{FOLDER}{name}"));
+            fs::create_dir(&folder).unwrap();
+            let lock = File::create(folder.join(LOCK)).unwrap();
+            (folder, lock)
+        };
+        let (held, lock) = made("held");
+        lock.lock().unwrap();
+        let (left, _) = made("left");
+        let (foreign, _) = made("foreign");
+        fs::remove_file(foreign.join(LOCK)).unwrap();
+        sweep(parent.path(), FOLDER, |path| File::open(path.join(LOCK)).ok());
+        assert!(held.exists() && !left.exists() && foreign.exists());
+    }
+
+    #[test]
+    fn what_lives_is_known_until_it_is_dropped() {
+        let folder = TemporaryFolder::new().unwrap();
+        let path = folder.path().to_owned();
+        assert!(live().contains(&path) && path.exists());
+        drop(folder);
+        assert!(!live().contains(&path) && !path.exists());
+    }
+}
