@@ -13,6 +13,7 @@ What fmpy's SSP support does, and what follows for these tests
 
 import io
 import zipfile
+from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
@@ -45,6 +46,10 @@ def parameters(system):
     return read_ssv(str(system), resource=PARAMETERS, validate=True)
 
 
+def in_system(variable):
+    return variable.replace(".", "_")
+
+
 def name(connector):
     return f"{connector.parent.name}.{connector.name}"
 
@@ -57,15 +62,49 @@ def test_structure_follows_the_schema_and_connects_everything(structure):
         "detector": "resources/SteeringFaultDetector.fmu",
     }
     kinds = {c.name: c.kind for c in structure.system.connectors}
-    assert kinds == dict.fromkeys(SYSTEM_INPUTS, "input") | dict.fromkeys(SYSTEM_OUTPUTS, "output")
+    expected = {in_system(n): "input" for n in SYSTEM_INPUTS}
+    assert kinds == expected | {in_system(n): "output" for n in SYSTEM_OUTPUTS}
     system_name = structure.system.name
     connections = {(name(a), name(b)) for a, b in get_connections(structure.system)}
     assert connections == (
-        {(f"{system_name}.{n}", f"plant.{n}") for n in SYSTEM_INPUTS}
+        {(f"{system_name}.{in_system(n)}", f"plant.{n}") for n in SYSTEM_INPUTS}
         | {(f"plant.{n}", f"detector.{n}") for n in ["v_x", "r"]}
-        | {(f"{system_name}.{n}", f"detector.{n}") for n in ["u.T_eng", "u.delta"]}
-        | {(f"detector.{n}", f"{system_name}.{n}") for n in SYSTEM_OUTPUTS}
+        | {(f"{system_name}.{in_system(n)}", f"detector.{n}") for n in ["u.T_eng", "u.delta"]}
+        | {(f"detector.{n}", f"{system_name}.{in_system(n)}") for n in SYSTEM_OUTPUTS}
     )
+
+
+def test_rules_of_omsimulator_are_kept(system, reference):
+    """What OMSimulator 2 asks of a system beyond the standard; no registry has the tool itself.
+
+    A dot ends the name of a component, so that connectors of the system, and parameters set through them, have
+    none. A system without a master of its own namespace's annotation is of no kind that it knows.
+    """
+    ssd = "{http://ssp-standard.org/SSP1/SystemStructureDescription}"
+    ssc = "{http://ssp-standard.org/SSP1/SystemStructureCommon}"
+    ssv = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
+    oms = "{https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd}"
+    with zipfile.ZipFile(system) as archive:
+        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+        parameter_set = ElementTree.fromstring(archive.read(PARAMETERS))
+    (structure,) = root.findall(f"{ssd}System")
+    connectors = [c.get("name") for c in structure.findall(f"{ssd}Connectors/{ssd}Connector")]
+    assert len(connectors) == len(set(connectors)) == len(SYSTEM_INPUTS) + len(SYSTEM_OUTPUTS)
+    assert [name for name in connectors if "." in name] == []
+    components = [c.get("name") for c in structure.findall(f"{ssd}Elements/{ssd}Component")]
+    assert all("." not in name for name in [structure.get("name"), *components])
+    for connection in structure.findall(f"{ssd}Connections/{ssd}Connection"):
+        for end in ("start", "end"):
+            is_of_component = connection.get(f"{end}Element") in components
+            assert is_of_component or connection.get(f"{end}Connector") in connectors
+    for parameter in parameter_set.findall(f"{ssv}Parameters/{ssv}Parameter"):
+        component, dot, _ = parameter.get("name").partition(".")
+        assert component in (components if dot else connectors), parameter.get("name")
+    (annotation,) = structure.findall(f"{ssd}Annotations/{ssc}Annotation")
+    assert annotation.get("type") == "org.openmodelica"
+    (master,) = annotation.findall(f"{oms}Annotations/{oms}SimulationInformation/{oms}FixedStepMaster")
+    assert master.get("description") == "oms-ma"
+    assert float(master.get("stepSize")) == reference.period
 
 
 def test_connectors_are_those_of_the_fmus(structure, system, tmp_path):
@@ -104,7 +143,7 @@ def test_parameters_are_the_vehicle_and_actuator_of_the_design(structure, parame
     slowest, fastest = speeds["min"], speeds["max"]
     assert slowest < values["plant.initial.v_x"] < fastest
     assert set(values) - vehicle == {
-        "u.T_eng", "plant.initial.v_x", "plant.initial.v_y", "plant.initial.r",
+        "u_T_eng", "plant.initial.v_x", "plant.initial.v_y", "plant.initial.r",
         *(f"plant.actuator.{n}" for n in actuator),
     }  # fmt: skip
 
@@ -122,11 +161,11 @@ def test_fault_is_detected_in_the_system(system, parameters, reference):
         step_size=reference.period,
         parameter_set=parameters,
         input={
-            "u.T_eng": lambda t: values["u.T_eng"],
-            "u.delta": lambda t: scenario.steering_angle_rad(t, speed),
+            "u_T_eng": lambda t: values["u_T_eng"],
+            "u_delta": lambda t: scenario.steering_angle_rad(t, speed),
             "fault": scenario.fault_rad,
-            "disturbance.side_force": force,
-            "disturbance.yaw_moment": lambda t: scenario.SIDE_WIND_LEVER_ARM_M * force(t),
+            "disturbance_side_force": force,
+            "disturbance_yaw_moment": lambda t: scenario.SIDE_WIND_LEVER_ARM_M * force(t),
         },
     )
     t = result["time"]
@@ -134,7 +173,7 @@ def test_fault_is_detected_in_the_system(system, parameters, reference):
     assert np.abs(result["plant.v_x"] - speed).max() < 0.5, "the parameter set was applied"
     assert result["alarm"].dtype == np.bool_ and result["state"].dtype == np.int32
     for output in SYSTEM_OUTPUTS:
-        assert (result[output] == result[f"detector.{output}"]).all(), output
+        assert (result[in_system(output)] == result[f"detector.{output}"]).all(), output
 
     assert result["state"][0] == OUT_OF_RANGE and (result["state"][1:] == MONITORING).all()
     acts = scenario.FAULT_ONSET_S + reference.period  # one step after it is given
