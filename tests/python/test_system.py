@@ -12,6 +12,9 @@ What fmpy's SSP support does, and what follows for these tests
 """
 
 import io
+import shutil
+import subprocess
+import sys
 import zipfile
 from xml.etree import ElementTree
 
@@ -180,6 +183,47 @@ def test_fault_is_detected_in_the_system(system, parameters, reference):
     first_alarm = t[result["alarm"]][0]
     assert acts <= first_alarm + 1e-6 <= acts + 0.10 + 2e-6
     assert result["alarm"][t > scenario.FAULT_ONSET_S + 0.5].all()
+
+
+def test_the_manipulation_toolbox_makes_an_fmu_of_the_system_that_detects_the_fault(system, tmp_path, reference):
+    """The toolbox reads no parameter set: the vehicle is the plant's own, the paper's at 15 m/s."""
+    shutil.copy(system, tmp_path)
+    code = "from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer; fmucontainer()"
+    description = f"{system.name}:{reference.period}"
+    result = subprocess.run(
+        [sys.executable, "-c", code, "-container", description, "-fmu-directory", "."],
+        capture_output=True, text=True, timeout=300, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    report = result.stdout + result.stderr
+    container = tmp_path / "SteeringFaultSystem.fmu"
+    assert result.returncode == 0 and container.is_file(), report
+    connected = [line for line in report.splitlines() if "is not connected" in line]
+    # What the system leaves to its start value, and what nobody reads.
+    assert len(connected) == 5 and sum("enabled" in line for line in connected) == 1, report
+
+    variables = {v.name: v for v in fmpy.read_model_description(str(container)).modelVariables}
+    assert {n for n, v in variables.items() if v.causality == "input"} == set(map(in_system, SYSTEM_INPUTS))
+    assert {n for n, v in variables.items() if v.causality == "output"} == set(map(in_system, SYSTEM_OUTPUTS))
+
+    speed, torque = 15.0, float(variables["u_T_eng"].start)
+    times = np.arange(round(scenario.DURATION_S / reference.period)) * reference.period
+    rows = [
+        (t, torque, scenario.steering_angle_rad(t, speed), scenario.fault_rad(t)) for t in times
+    ]
+    columns = ["time", "u_T_eng", "u_delta", "fault"]
+    inputs = np.array(rows, dtype=[(n, float) for n in columns])
+    messages = []
+    result = fmpy.simulate_fmu(
+        str(container), stop_time=times[-1], step_size=reference.period, output_interval=reference.period,
+        input=inputs, output=["alarm", "state", "J_rms", "J_th"],
+        # Its own: fmpy else hands messages to the logger of an earlier instance, which is gone.
+        logger=lambda *message: messages.append(message),
+    )  # fmt: skip
+    assert any(b"monitoring" in text for *_, text in messages), messages
+    t, alarm = result["time"], result["alarm"].astype(bool)
+    assert not alarm[t < scenario.FAULT_ONSET_S].any()
+    assert scenario.FAULT_ONSET_S < t[alarm][0] < scenario.FAULT_ONSET_S + 0.3
+    assert (alarm == (result["J_rms"] >= result["J_th"]))[t < t[alarm][0] + 0.1].all()
 
 
 def read_table(fmu, table):
