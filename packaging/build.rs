@@ -1,7 +1,7 @@
 //! Builds the shared libraries of both FMUs for this machine, so that the command embeds them and
 //! packages without a compiler. The variable `STEERGUARD_RUNTIMES` names a folder of prebuilt ones
 //! instead, `<platform>/<model identifier>.<extension>` as under an FMU's `binaries/`: all that are
-//! there are embedded. `packaging/runtimes/build` makes such a folder.
+//! there are embedded, if they are of these sources. `packaging/runtimes/build` makes such a folder.
 //!
 //! # Conventions
 //! - Their bytes depend on the sources, the toolchain and the target only: the environment is
@@ -9,6 +9,7 @@
 //! - They are built in a target folder of their own: a nested build in the outer one would wait for
 //!   the outer build's lock for ever.
 
+use std::collections::BTreeSet;
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,8 @@ use std::process::{Command, ExitCode};
 #[path = "src/platform/name.rs"]
 #[allow(dead_code, reason = "what FMUs of others have is no matter of the build")]
 mod name;
+
+use sha2::{Digest as _, Sha256};
 
 #[path = "../modelDescription/src/names.rs"]
 #[allow(dead_code, reason = "the files of the FMUs are named elsewhere")]
@@ -32,8 +35,10 @@ const RUNTIMES: [(&str, &str); 2] =
 type Embedded = (Platform, Vec<PathBuf>);
 
 /// What the runtimes are built from, relative to the workspace.
-const SOURCES: [&str; 6] =
-    ["Cargo.toml", "Cargo.lock", "detector", "designer/world", "modelDescription", "fmu"];
+const SOURCES: &str = include_str!("runtimes/sources");
+
+/// Digests of these sources in a folder of prebuilt runtimes, as `sha256sum` writes them.
+const DIGESTS: &str = "sources.sha256";
 
 /// Variables that cargo and rustc need to find themselves and the registry; all others stay behind.
 const KEPT: [&str; 12] = [
@@ -72,7 +77,7 @@ fn build() -> Result<(), String> {
     let host = Platform::of(&variable("CARGO_CFG_TARGET_OS")?, &variable("CARGO_CFG_TARGET_ARCH")?);
     println!("cargo::rerun-if-env-changed=STEERGUARD_RUNTIMES");
     let embedded = match env::var_os("STEERGUARD_RUNTIMES").filter(|folder| !folder.is_empty()) {
-        Some(folder) => prebuilt(&workspace.join(folder), host).map_err(|error| {
+        Some(folder) => prebuilt(&workspace, &workspace.join(folder), host).map_err(|error| {
             format!(
                 "{error}\nhelp: STEERGUARD_RUNTIMES names a folder made by packaging/runtimes/build"
             )
@@ -94,8 +99,26 @@ fn variable(name: &str) -> Result<String, String> {
     env::var(name).map_err(|error| format!("{name}: {error}"))
 }
 
-/// The libraries in `folder`.
-fn prebuilt(folder: &Path, host: Option<Platform>) -> Result<Vec<Embedded>, String> {
+/// The libraries in `folder`, which are of the sources in `workspace`.
+fn prebuilt(
+    workspace: &Path,
+    folder: &Path,
+    host: Option<Platform>,
+) -> Result<Vec<Embedded>, String> {
+    watch_sources();
+    let path = folder.join(DIGESTS);
+    let expected =
+        fs::read_to_string(&path).map_err(|error| format!("`{}`: {error}", path.display()))?;
+    let expected: BTreeSet<&str> = expected.lines().collect();
+    let found = digests(workspace)?;
+    let found: BTreeSet<&str> = found.lines().collect();
+    if let Some(line) = found.symmetric_difference(&expected).next() {
+        let source = line.split_once("  ").map_or(*line, |(_, source)| source);
+        return Err(format!(
+            "the libraries in `{}` are of other sources: `{source}` differs",
+            folder.display()
+        ));
+    }
     println!("cargo::rerun-if-changed={}", folder.display());
     let failure = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut embedded = Vec::new();
@@ -124,12 +147,37 @@ fn prebuilt(folder: &Path, host: Option<Platform>) -> Result<Vec<Embedded>, Stri
     }
 }
 
-/// Builds the libraries for the target of this build.
-fn built(workspace: &Path) -> Result<Vec<PathBuf>, String> {
-    for source in SOURCES {
+fn watch_sources() {
+    for source in SOURCES.lines() {
         // Relative to this package, so that a copied target folder watches its own sources.
         println!("cargo::rerun-if-changed=../{source}");
     }
+}
+
+/// A line for each of the sources: digest and path.
+fn digests(workspace: &Path) -> Result<String, String> {
+    let mut digests = String::new();
+    let mut left: Vec<String> = SOURCES.lines().map(str::to_owned).collect();
+    while let Some(source) = left.pop() {
+        let path = workspace.join(&source);
+        let failure = |error: std::io::Error| format!("{}: {error}", path.display());
+        if path.is_dir() {
+            for entry in fs::read_dir(&path).map_err(failure)? {
+                let name = entry.map_err(failure)?.file_name();
+                left.push(format!("{source}/{}", name.to_string_lossy()));
+            }
+        } else if [".rs", ".toml", ".lock"].iter().any(|end| source.ends_with(end)) {
+            let digest = Sha256::digest(fs::read(&path).map_err(failure)?);
+            digests.extend(digest.iter().map(|byte| format!("{byte:02x}")));
+            digests += &format!("  {source}\n");
+        }
+    }
+    Ok(digests)
+}
+
+/// Builds the libraries for the target of this build.
+fn built(workspace: &Path) -> Result<Vec<PathBuf>, String> {
+    watch_sources();
     let target = variable("TARGET")?;
     let target_folder = Path::new(&variable("OUT_DIR")?).join("runtimes");
 
