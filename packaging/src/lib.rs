@@ -7,6 +7,7 @@ pub mod drive;
 pub mod fmu;
 pub mod identify;
 pub mod importer;
+mod mach_o;
 pub mod output;
 pub mod platform;
 pub mod replay;

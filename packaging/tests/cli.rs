@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::PathBuf;
 
+use steerguard::platform::Platform;
 use tempfile::TempDir;
 
 #[path = "common/command.rs"]
@@ -197,6 +198,39 @@ fn what_cannot_be_written_is_named() {
     failure(path, &["package", "design.json", "-o", "taken"], 2, &["taken"]);
     failure(path, &["--out", "spec.toml/out"], 2, &["spec.toml/out"]);
     assert_eq!(entries(&folder), ["design.json", "spec.toml", "taken"]);
+}
+
+#[test]
+fn platforms_are_chosen_among_those_that_there_are() {
+    let folder = folder();
+    let path = folder.path();
+    let host = Platform::HOST.unwrap().folder();
+    let version = success(path, &["--version"]);
+    assert!(version.lines().any(|line| line.starts_with("FMUs for: ") && line.contains(host)));
+    assert_eq!(success(path, &["-V"]).lines().count(), 1);
+
+    let package = ["package", "design.json", "--plant", "plant.fmu", "--system", "system.ssp"];
+    let text = success(path, &[&package[..], &["--only", host]].concat());
+    assert!(text.ends_with(&format!("for {host}\n")), "{text}");
+    let other = if host == "win64" { "linux64" } else { "win64" };
+    // A detector for a further platform, which the vehicle has not: `--only` leaves it out again.
+    fs::write(path.join("library"), "").unwrap();
+    let runtime = format!("{other}=library");
+    let with_runtime = [&package[..], &["--runtime", &runtime, "--only", host]].concat();
+    assert_eq!(success(path, &with_runtime), text);
+
+    if !version.contains(other) {
+        let wrong = [&package[..2], &["--only", other]].concat();
+        failure(
+            path,
+            &wrong,
+            2,
+            &["SteeringFaultDetector for", other, "this command has", "help: "],
+        );
+        let wrong = [&package[..], &["--runtime", &runtime, "--only", other]].concat();
+        failure(path, &wrong, 2, &["VehiclePlant for", other, "help: "]);
+    }
+    failure(path, &["package", "design.json", "--only", "amiga"], 2, &["amiga", "linux64"]);
 }
 
 #[test]

@@ -63,5 +63,5 @@ fn parameters_follow_the_design() {
     // The middle of the design range, and the torque that holds it.
     assert_eq!(value(&paper, "plant.initial.v_x"), 17.5);
     assert_eq!(value(&heavy, "plant.initial.v_x"), 15.0);
-    assert_eq!(value(&heavy, "u.T_eng"), 0.35 * 15.0 * 15.0);
+    assert_eq!(value(&heavy, "u_T_eng"), 0.35 * 15.0 * 15.0);
 }

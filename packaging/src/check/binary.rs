@@ -3,10 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use object::macho::{FatArch32, FatArch64};
 use object::read::NameOrOrdinal;
-use object::read::macho::{FatArch, MachOFatFile};
-use object::{BinaryFormat, FileKind, Object as _, ObjectSection as _};
+use object::{Architecture, BinaryFormat, Object as _, ObjectSection as _};
 use steerguard_fmi2::Function;
 use steerguard_fmu::BakedDesign;
 use steerguard_fmu_core::{BLOCK_SIZE, BakedError, baked};
@@ -14,6 +12,7 @@ use steerguard_model_description::detector::INFO as DETECTOR;
 use steerguard_model_description::xml::{Header, Implementation, digest};
 
 use super::findings::{Contents, DESCRIPTION, Findings};
+use crate::mach_o::{self, Hashed};
 use crate::platform::Platform;
 
 /// Functions for Co-Simulation alone.
@@ -120,21 +119,31 @@ struct Library<'a> {
 
 impl Library<'_> {
     fn check(&self, bytes: &[u8], platform: Platform, findings: &mut Findings) {
-        match images(bytes) {
-            Ok(images) => {
-                for image in images {
-                    self.image(&image, platform, findings);
-                }
-            }
+        let images = mach_o::images(bytes).and_then(|images| {
+            let parse = |bytes| Ok((object::File::parse(bytes)?, bytes));
+            images.into_iter().filter_map(|range| bytes.get(range)).map(parse).collect()
+        });
+        let images: Vec<(object::File<'_>, &[u8])> = match images {
+            Ok(images) => images,
             Err(error) => {
                 let message = format!("not a shared library: {error}");
                 findings.error("binary-format", message, &self.path, "importers cannot load it");
+                return;
             }
+        };
+        for (image, bytes) in images {
+            self.image(&image, bytes, platform, findings);
         }
     }
 
     /// An object file; universal binaries of macOS have several.
-    fn image(&self, image: &object::File<'_>, platform: Platform, findings: &mut Findings) {
+    fn image(
+        &self,
+        image: &object::File<'_>,
+        bytes: &[u8],
+        platform: Platform,
+        findings: &mut Findings,
+    ) {
         let folder = platform.folder();
         if !platform.accepts(image) {
             let (found, processor) = (image.format(), image.architecture());
@@ -150,7 +159,31 @@ impl Library<'_> {
                 findings.error("binary-format", message, &self.path, "link it again");
             }
         }
+        if image.format() == BinaryFormat::MachO {
+            self.signature(image, bytes, findings);
+        }
         self.baked(image, findings);
+    }
+
+    /// The code signature, which Macs with Arm processors insist on.
+    fn signature(&self, image: &object::File<'_>, bytes: &[u8], findings: &mut Findings) {
+        let help = "sign it again, after the last change: codesign --force --sign - FILE";
+        let processor = image.architecture();
+        match mach_o::compare(bytes) {
+            Ok(None) if processor == Architecture::Aarch64 => {
+                let message = "not signed for Arm, where macOS loads no unsigned code";
+                findings.error("unsigned", message, &self.path, help);
+            }
+            Ok(Some(Hashed { pages, stale })) if stale > 0 => {
+                let message = format!(
+                    "changed after it was signed: {stale} of {pages} page hashes are stale for \
+                     {processor:?}, and macOS ends the process that loads it"
+                );
+                findings.error("stale-signature", message, &self.path, help);
+            }
+            Ok(_) => {}
+            Err(error) => findings.error("signature", error.to_string(), &self.path, help),
+        }
     }
 
     fn exports(&self, exported: &BTreeSet<String>, findings: &mut Findings) {
@@ -227,21 +260,6 @@ impl Library<'_> {
             }
         }
     }
-}
-
-/// The object files in a library.
-fn images(bytes: &[u8]) -> object::read::Result<Vec<object::File<'_>>> {
-    match FileKind::parse(bytes)? {
-        FileKind::MachOFat32 => fat::<FatArch32>(bytes),
-        FileKind::MachOFat64 => fat::<FatArch64>(bytes),
-        _ => Ok(vec![object::File::parse(bytes)?]),
-    }
-}
-
-fn fat<Fat: FatArch>(bytes: &[u8]) -> object::read::Result<Vec<object::File<'_>>> {
-    let file = MachOFatFile::<Fat>::parse(bytes)?;
-    // Real ones have two to four.
-    file.arches().iter().take(16).map(|arch| object::File::parse(arch.data(bytes)?)).collect()
 }
 
 /// Names of the exported symbols, as C knows them.

@@ -28,9 +28,13 @@ Examples:
 
 Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
 
+/// With what FMUs made by it run on.
+const VERSION: &str =
+    concat!(env!("CARGO_PKG_VERSION"), "\nFMUs for: ", env!("STEERGUARD_PLATFORMS"));
+
 /// Designs, packages and co-simulates a steering-fault detector as an FMI 2.0 unit
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(version, long_version = VERSION, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Cli {
     /// What to do
     #[command(subcommand)]
@@ -140,6 +144,7 @@ pub struct VerifyArguments {
   steerguard package design.json -o SteeringFaultDetector.fmu
   steerguard package my-car.toml --plant VehiclePlant.fmu
   steerguard package design.json --system SteeringFaultSystem.ssp
+  steerguard package design.json --only linux64,win64
   steerguard package design.json --runtime win64=SteeringFaultDetector.dll")]
 pub struct PackageArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
@@ -161,6 +166,10 @@ pub struct PackageArguments {
     /// aarch64-linux
     #[arg(long, value_name = "PLATFORM=FILE", value_parser = runtime)]
     pub runtime: Vec<(Platform, PathBuf)>,
+    /// Libraries for these platforms alone, in every file written: smaller. Without it for all that this
+    /// command has (`steerguard --version`) or is given
+    #[arg(long, value_name = "PLATFORM", value_delimiter = ',')]
+    pub only: Vec<Platform>,
 }
 
 /// Arguments of `check`.

@@ -138,7 +138,7 @@ fn bench(design: &Design, settings: Settings) -> Result<(TestBench, Manifest), F
     let detector = folder.path().join(names::DETECTOR_FILE);
     let plant = folder.path().join(names::PLANT_FILE);
     package::detector(design, &Runtimes::detector(), &detector)?;
-    package::plant(&plant)?;
+    package::plant(&Runtimes::plant(), &plant)?;
     let read = |path| std::fs::read(path).map_err(Failure::bad);
     let manifest = Manifest::new(settings, design.hash.clone(), &read(&detector)?, &read(&plant)?);
     let bench = TestBench {

@@ -55,7 +55,7 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     let plant_file = folder.join(names::PLANT_FILE);
     let fmus = vec![
         package::detector(&designed, &Runtimes::detector(), &detector_file)?,
-        package::plant(&plant_file)?,
+        package::plant(&Runtimes::plant(), &plant_file)?,
     ];
     let (detector, plant) = (simulate::open(&detector_file)?, simulate::open(&plant_file)?);
     let simulation = simulate::simulate(&detector, &plant, &Scenario::default(), &progress)?;

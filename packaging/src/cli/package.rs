@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use steerguard_designer::{Design, DesignStatus};
 use steerguard_fmu::BakedDesign;
+use steerguard_model_description::names;
 
 use super::input;
 use super::print::print;
@@ -16,6 +17,7 @@ use crate::fmu::package::{PackageError, detector_fmu, plant_fmu};
 use crate::fmu::runtime::Runtimes;
 use crate::fmu::system::system_ssp;
 use crate::output;
+use crate::platform::Platform;
 
 /// An FMU that was written.
 #[derive(Serialize)]
@@ -43,22 +45,41 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
             Failure::bad(format!("cannot read the library `{}`: {error}", file.display()))
         })?;
     }
+    let runtimes = only(runtimes, &arguments.only, names::DETECTOR)?;
+    let with_plant = arguments.plant.is_some() || arguments.system.is_some();
+    let plant_runtimes = if with_plant {
+        only(Runtimes::plant(), &arguments.only, names::PLANT)?
+    } else {
+        Runtimes::plant()
+    };
     let design = {
         let progress = Progress::new();
         input::design(&arguments.design, &arguments.allow, &progress)?
     };
     let mut fmus = vec![detector(&design, &runtimes, &arguments.output)?];
     if let Some(path) = &arguments.plant {
-        fmus.push(plant(path)?);
+        fmus.push(plant(&plant_runtimes, path)?);
     }
     if let Some(path) = &arguments.system {
-        fmus.push(system(&design, &runtimes, path)?);
+        fmus.push(system(&design, &runtimes, &plant_runtimes, path)?);
     }
     let platforms = runtimes.0.keys().map(|platform| platform.folder()).collect();
     let status = design.synthesis.status;
-    let text = caution(status) + &listed(&fmus, "");
+    let text = caution(status) + &listed(&fmus, "") + &format!("for {}\n", runtimes.listed());
     print(json, &PackagedDesign { status, fmus, platforms }, &text)?;
     Ok(Exit::Done)
+}
+
+/// The libraries of `model` for `platforms` alone, if any are named.
+fn only(runtimes: Runtimes, platforms: &[Platform], model: &str) -> Result<Runtimes, Failure> {
+    let known = runtimes.listed();
+    runtimes.only(platforms).map_err(|missing| {
+        let missing = missing.folder();
+        Failure::bad(format!("no library of {model} for {missing}: this command has {known}")).help(
+            "--runtime PLATFORM=FILE adds the detector's; a command built with STEERGUARD_RUNTIMES \
+             has both models' for more platforms",
+        )
+    })
 }
 
 /// A line that says so where a design is not certified, or blind.
@@ -89,13 +110,18 @@ fn payload(design: &Design) -> Result<BakedDesign, Failure> {
 }
 
 /// Packages the reference vehicle.
-pub(super) fn plant(path: &Path) -> Result<Packaged, Failure> {
-    write(path, plant_fmu(&Runtimes::plant()))
+pub(super) fn plant(runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failure> {
+    write(path, plant_fmu(runtimes))
 }
 
 /// Packages detector and reference vehicle as a connected system.
-fn system(design: &Design, runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failure> {
-    write(path, system_ssp(&payload(design)?, &Record::of(design), runtimes, &Runtimes::plant()))
+fn system(
+    design: &Design,
+    detector: &Runtimes,
+    plant: &Runtimes,
+    path: &Path,
+) -> Result<Packaged, Failure> {
+    write(path, system_ssp(&payload(design)?, &Record::of(design), detector, plant))
 }
 
 fn write(path: &Path, fmu: Result<Vec<u8>, PackageError>) -> Result<Packaged, Failure> {

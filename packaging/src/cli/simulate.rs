@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
         Some(path) => open(path)?,
         None => {
             let path = folder.path().join(names::PLANT_FILE);
-            package::plant(&path)?;
+            package::plant(&Runtimes::plant(), &path)?;
             open(&path)?
         }
     };

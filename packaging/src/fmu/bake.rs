@@ -3,6 +3,7 @@
 use object::{Object as _, ObjectSection as _};
 use steerguard_fmu_core::{SealError, baked};
 
+use crate::mach_o::{self, SignatureError};
 use crate::platform::Platform;
 
 /// A library that a design cannot be baked into.
@@ -20,20 +21,39 @@ pub enum BakeError {
     /// The section does not take the design.
     #[error(transparent)]
     Seal(#[from] SealError),
+    /// Its code signature cannot be renewed.
+    #[error(transparent)]
+    Signature(#[from] SignatureError),
 }
 
-/// Bakes GUID and payload into `library`, a file for `platform`.
+/// `library`, a file for `platform`, with GUID and payload baked into it: into every slice of a
+/// universal file, whose page hashes are renewed.
 ///
 /// # Errors
-/// [`BakeError`], with `library` unchanged.
+/// [`BakeError`].
 pub fn bake(
-    library: &mut [u8],
+    library: &[u8],
+    platform: Platform,
+    guid: &str,
+    payload: &[u8],
+) -> Result<Vec<u8>, BakeError> {
+    let mut library = library.to_vec();
+    for range in mach_o::images(&library)? {
+        if let Some(image) = library.get_mut(range) {
+            bake_image(image, platform, guid, payload)?;
+        }
+    }
+    Ok(library)
+}
+
+fn bake_image(
+    image: &mut [u8],
     platform: Platform,
     guid: &str,
     payload: &[u8],
 ) -> Result<(), BakeError> {
     let name = platform.section();
-    let file = object::File::parse(&*library)?;
+    let file = object::File::parse(&*image)?;
     if !platform.accepts(&file) {
         return Err(BakeError::Platform(platform));
     }
@@ -42,6 +62,7 @@ pub fn bake(
     let section = usize::try_from(offset)
         .ok()
         .zip(usize::try_from(size).ok())
-        .and_then(|(offset, size)| library.get_mut(offset..offset.checked_add(size)?));
-    Ok(baked::seal(section.ok_or(BakeError::NoSection(name))?, guid, payload)?)
+        .and_then(|(offset, size)| image.get_mut(offset..offset.checked_add(size)?));
+    baked::seal(section.ok_or(BakeError::NoSection(name))?, guid, payload)?;
+    Ok(mach_o::renew(image)?)
 }

@@ -123,8 +123,7 @@ fn fmu<M: Model>(
 
     let mut archive = Archive::new(described.xml);
     for (&platform, library) in &runtimes.0 {
-        let mut library = library.clone();
-        bake(&mut library, platform, &described.guid, parts.payload)
+        let library = bake(library, platform, &described.guid, parts.payload)
             .map_err(|source| PackageError::Library { platform, source })?;
         archive.insert(platform.library_path(M::INFO.identifier), library);
     }

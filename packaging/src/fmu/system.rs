@@ -2,8 +2,10 @@
 //! standard System Structure and Parameterization 1.0.
 //!
 //! # Conventions
-//! - Connectors have the names of the FMU variables. An input that both FMUs have, and every other
-//!   input of the vehicle, is an input of the system; every output of the detector is an output of it.
+//! - Connectors of components have the names of the FMU variables. An input that both FMUs have, and every
+//!   other input of the vehicle, is an input of the system; every output of the detector is an output of it.
+//! - Connectors of the system have these names with `_` for each dot: OMSimulator reads a dot as the end of a
+//!   component's name. An annotation tells it the master and the step, without which it takes no system.
 //! - The parameter set belongs to the system: its names are `<component>.<variable>`. It gives the
 //!   vehicle and the actuator that the detector was designed for, its state at the start, and the
 //!   drive torque that holds its speed.
@@ -34,6 +36,9 @@ const PLANT: &str = "plant";
 const DETECTOR: &str = "detector";
 /// Path of the parameter set in the archive.
 const PARAMETERS: &str = "resources/SteeringFaultSystem.ssv";
+/// Namespace of the annotations that OMSimulator reads.
+const OMSIMULATOR: &str =
+    "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
 const TOOL: &str = concat!("steerguard ", env!("CARGO_PKG_VERSION"));
 
 const PLANT_TABLE: &[Variable] = <PlantModel as Model>::Variable::TABLE;
@@ -77,6 +82,11 @@ fn is_output_of_plant(name: &str) -> bool {
     PLANT_TABLE.iter().filter(with(Causality::Output)).any(|variable| variable.name == name)
 }
 
+/// Name of the system's connector for a variable.
+fn name_in_system(variable: &str) -> String {
+    variable.replace('.', "_")
+}
+
 /// Whether the plant has a variable of the name: an input that it has not, such as a switch, is left out of
 /// the system and keeps its start value.
 fn is_known_to_plant(input: &Variable) -> bool {
@@ -109,7 +119,9 @@ fn parameters(design: &BakedDesign) -> Result<Vec<Parameter>, PackageError> {
                 (format!("{PLANT}.{}", row.name), scenario.initial_lateral_speed_m_per_s)
             }
             "initial.r" => (format!("{PLANT}.{}", row.name), scenario.initial_yaw_rate_rad_per_s),
-            "u.T_eng" => (row.name.to_owned(), configuration.model.vehicle.cruise_torque(speed)),
+            "u.T_eng" => {
+                (name_in_system(row.name), configuration.model.vehicle.cruise_torque(speed))
+            }
             name => match of_design(name) {
                 Some(Value::Real(value)) => (format!("{PLANT}.{name}"), value),
                 _ => continue,
@@ -125,12 +137,13 @@ fn structure(experiment: &DefaultExperiment) -> io::Result<Vec<u8>> {
     let attributes = [
         ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
         ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
+        ("xmlns:oms", OMSIMULATOR),
         ("version", "1.0"),
         ("name", names::SYSTEM),
         ("generationTool", TOOL),
     ];
     document("ssd:SystemStructureDescription", &attributes, |xml| {
-        system(xml)?;
+        system(xml, experiment.step_size)?;
         element(xml, "ssd:Enumerations", &[], |xml| {
             let state = &DetectorState::TYPE;
             element(xml, "ssc:Enumeration", &[("name", state.name)], |xml| {
@@ -150,13 +163,13 @@ fn structure(experiment: &DefaultExperiment) -> io::Result<Vec<u8>> {
     })
 }
 
-fn system(xml: &mut Xml) -> io::Result<()> {
+fn system(xml: &mut Xml, step_s: f64) -> io::Result<()> {
     let description = "Steering-fault detector on the reference vehicle";
     let attributes = [("name", names::SYSTEM), ("description", description)];
     element(xml, "ssd:System", &attributes, |xml| {
         let inputs = PLANT_TABLE.iter().filter(with(Causality::Input));
         let outputs = DETECTOR_TABLE.iter().filter(with(Causality::Output));
-        connectors(xml, inputs.chain(outputs))?;
+        connectors(xml, inputs.chain(outputs), name_in_system)?;
         element(xml, "ssd:ParameterBindings", &[], |xml| {
             empty(xml, "ssd:ParameterBinding", &[("source", PARAMETERS)])
         })?;
@@ -164,7 +177,24 @@ fn system(xml: &mut Xml) -> io::Result<()> {
             component(xml, PLANT, &source(&PlantModel::INFO), PLANT_TABLE)?;
             component(xml, DETECTOR, &source(&DetectorModel::INFO), DETECTOR_TABLE)
         })?;
-        element(xml, "ssd:Connections", &[], connections)
+        element(xml, "ssd:Connections", &[], connections)?;
+        element(xml, "ssd:Annotations", &[], |xml| {
+            element(xml, "ssc:Annotation", &[("type", "org.openmodelica")], |xml| {
+                element(xml, "oms:Annotations", &[], |xml| {
+                    element(xml, "oms:SimulationInformation", &[], |xml| {
+                        let step = format!("{step_s:?}");
+                        let tolerance = "0.0001"; // asked for, and of no use to a fixed step
+                        let master = [
+                            ("description", "oms-ma"),
+                            ("stepSize", step.as_str()),
+                            ("absoluteTolerance", tolerance),
+                            ("relativeTolerance", tolerance),
+                        ];
+                        empty(xml, "oms:FixedStepMaster", &master)
+                    })
+                })
+            })
+        })
     })
 }
 
@@ -183,21 +213,24 @@ fn component(
     element(xml, "ssd:Component", &attributes, |xml| {
         let inputs =
             table.iter().filter(with(Causality::Input)).filter(|row| is_known_to_plant(row));
-        connectors(xml, inputs.chain(table.iter().filter(with(Causality::Output))))
+        let outputs = table.iter().filter(with(Causality::Output));
+        connectors(xml, inputs.chain(outputs), str::to_owned)
     })
 }
 
 fn connectors(
     xml: &mut Xml,
     mut variables: impl Iterator<Item = &'static Variable>,
+    name: fn(&str) -> String,
 ) -> io::Result<()> {
-    element(xml, "ssd:Connectors", &[], |xml| variables.try_for_each(|row| connector(xml, row)))
+    element(xml, "ssd:Connectors", &[], |xml| {
+        variables.try_for_each(|row| connector(xml, row, &name(row.name)))
+    })
 }
 
-fn connector(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
+fn connector(xml: &mut Xml, variable: &Variable, name: &str) -> io::Result<()> {
     let kind = if variable.role.causality == Causality::Input { "input" } else { "output" };
-    let attributes =
-        [("name", variable.name), ("kind", kind), ("description", variable.description)];
+    let attributes = [("name", name), ("kind", kind), ("description", variable.description)];
     element(xml, "ssd:Connector", &attributes, |xml| match &variable.kind {
         Kind::Real(real) => empty(xml, "ssc:Real", &[("unit", real.unit.name)]),
         Kind::Integer { .. } => empty(xml, "ssc:Integer", &[]),
@@ -226,13 +259,20 @@ fn connections(xml: &mut Xml) -> io::Result<()> {
     Ok(())
 }
 
-/// Connects connectors of one name; `None` is the system itself.
-fn connection(xml: &mut Xml, start: Option<&str>, end: Option<&str>, name: &str) -> io::Result<()> {
+/// Connects the connectors for a variable; `None` is the system itself.
+fn connection(
+    xml: &mut Xml,
+    start: Option<&str>,
+    end: Option<&str>,
+    variable: &str,
+) -> io::Result<()> {
+    let in_system = name_in_system(variable);
+    let connector = |element: Option<&str>| element.map_or(in_system.as_str(), |_| variable);
     let mut attributes = Vec::new();
     attributes.extend(start.map(|element| ("startElement", element)));
-    attributes.push(("startConnector", name));
+    attributes.push(("startConnector", connector(start)));
     attributes.extend(end.map(|element| ("endElement", element)));
-    attributes.push(("endConnector", name));
+    attributes.push(("endConnector", connector(end)));
     empty(xml, "ssd:Connection", &attributes)
 }
 
