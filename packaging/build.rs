@@ -1,4 +1,4 @@
-//! Builds the shared libraries of both FMUs for this machine, so that the command embeds them and
+//! Builds the shared libraries of all FMUs for this machine, so that the command embeds them and
 //! packages without a compiler.
 //!
 //! # Conventions
@@ -16,8 +16,9 @@ use std::process::{Command, ExitCode};
 mod names;
 
 /// Package of the shared library, its name, and the variable that carries its path to the crate.
-const RUNTIMES: [(&str, &str, &str); 2] = [
+const RUNTIMES: [(&str, &str, &str); 3] = [
     ("steerguard-fmu-cdylib", names::DETECTOR, "STEERGUARD_DETECTOR_RUNTIME"),
+    ("steerguard-fmi3-cdylib", names::DETECTOR_FMI3, "STEERGUARD_DETECTOR_FMI3_RUNTIME"),
     ("steerguard-plant-cdylib", names::PLANT, "STEERGUARD_PLANT_RUNTIME"),
 ];
 

@@ -101,6 +101,22 @@ impl Platform {
         Self::ALL.iter().copied().find(|platform| platform.folder() == name)
     }
 
+    /// Whether FMI 3.0 calls a platform so: processor and operating system.
+    pub fn is_of_fmi3(self) -> bool {
+        self.folder().contains('-')
+    }
+
+    /// The platforms of FMI 3.0 that a shared library for this one serves.
+    pub const fn of_fmi3(self) -> &'static [Self] {
+        match self {
+            Self::Linux64 => &[Self::X86_64Linux],
+            Self::Win64 => &[Self::X86_64Windows],
+            Self::Darwin64 => &[Self::X86_64Darwin, Self::Aarch64Darwin],
+            Self::Aarch64Linux => &[Self::Aarch64Linux],
+            _ => &[],
+        }
+    }
+
     /// Path of the shared library inside an FMU.
     pub fn library_path(self, model_identifier: &str) -> String {
         format!("binaries/{}/{model_identifier}.{}", self.folder(), self.extension())

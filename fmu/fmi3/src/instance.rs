@@ -96,6 +96,7 @@ impl<M: Model<Variable: Structure>> Instance<M> {
 
     /// Refuses for a fixed reason.
     #[cold]
+    #[inline(never)] // small code
     pub(crate) fn refuse_because(&self, function: Function, reason: &str) -> fmi3Status {
         self.refuse(function, |text| {
             text.str(reason);
@@ -122,6 +123,7 @@ impl<M: Model<Variable: Structure>> Instance<M> {
     ///
     /// # Errors
     /// The status of the refusal.
+    #[inline(never)] // small code
     pub(crate) fn find(
         &self,
         function: Function,
@@ -134,7 +136,7 @@ impl<M: Model<Variable: Structure>> Instance<M> {
     ///
     /// # Errors
     /// The status of the refusal.
-    #[inline]
+    #[inline(never)] // small code
     pub(crate) fn settable(
         &self,
         function: Function,

@@ -1,7 +1,6 @@
-//! The shared libraries of both FMUs before anything is baked into them.
+//! The shared libraries of all FMUs before anything is baked into them.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use crate::platform::Platform;
 
@@ -15,6 +14,11 @@ impl Runtimes {
         Self::host(include_bytes!(env!("STEERGUARD_DETECTOR_RUNTIME")))
     }
 
+    /// The detector's library of FMI 3.0 for this machine, part of this command.
+    pub fn detector_fmi3() -> Self {
+        Self::host(include_bytes!(env!("STEERGUARD_DETECTOR_FMI3_RUNTIME")))
+    }
+
     /// The reference vehicle's library for this machine, part of this command.
     pub fn plant() -> Self {
         Self::host(include_bytes!(env!("STEERGUARD_PLANT_RUNTIME")))
@@ -23,13 +27,10 @@ impl Runtimes {
     fn host(bytes: &[u8]) -> Self {
         Self(Platform::HOST.map(|platform| (platform, bytes.to_vec())).into_iter().collect())
     }
+}
 
-    /// Adds or replaces the library of a platform by the file at `path`.
-    ///
-    /// # Errors
-    /// What reading the file says.
-    pub fn add(&mut self, platform: Platform, path: &Path) -> std::io::Result<()> {
-        self.0.insert(platform, std::fs::read(path)?);
-        Ok(())
-    }
+/// Whether a library is for FMI 3.0, by the name of a function that it exports then.
+pub fn is_for_fmi3(library: &[u8]) -> bool {
+    const NAME: &[u8] = b"fmi3GetVersion";
+    library.windows(NAME.len()).any(|bytes| bytes == NAME)
 }

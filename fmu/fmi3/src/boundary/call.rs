@@ -18,6 +18,7 @@ impl<F: Fmu<Model: Model<Variable: Structure>>> Fmi3 for F {}
 ///
 /// # Errors
 /// The status to return otherwise.
+#[inline(never)] // small code: every function begins with it
 pub(super) unsafe fn enter<'a, F: Fmi3>(
     instance: fmi3Instance,
     function: Function,
@@ -49,6 +50,7 @@ pub(super) unsafe fn call<F: Fmi3>(
 }
 
 /// What all functions do that are not provided: say why.
+#[inline(never)] // small code, as above
 pub unsafe fn absent<F: Fmi3>(
     instance: fmi3Instance,
     function: Function,

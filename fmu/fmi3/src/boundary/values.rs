@@ -79,6 +79,7 @@ impl<M: Model<Variable: Structure>> Instance<M> {
     ///
     /// # Errors
     /// The status of the refusal.
+    #[inline(never)] // small code
     fn find_of_type<T: Passed>(
         &self,
         function: Function,
@@ -282,6 +283,7 @@ accessors! {
 }
 
 /// Gets or sets variables of a type that no variable has: none at all, or the first is refused.
+#[inline(never)] // small code: many functions are of types that no variable has
 unsafe fn none<F: Fmi3>(
     instance: fmi3Instance,
     function: Function,

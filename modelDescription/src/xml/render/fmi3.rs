@@ -215,10 +215,13 @@ fn model_structure<V: Structure>(xml: &mut Xml) -> io::Result<()> {
         empty(xml, name, vec![("valueReference", reference.to_string()), none])
     };
     element(xml, "ModelStructure", vec![], |xml| {
-        let own = [clock, clock_time];
+        let (clock, own) = ([clock], [clock, clock_time]);
         let mut all = outputs.iter().chain(&own);
         all.try_for_each(|reference| unknown(xml, "Output", reference))?;
-        outputs.iter().try_for_each(|reference| unknown(xml, "InitialUnknown", reference))
+        // The clock is an output that is not clocked, which the wording of section 2.4.8 puts here; importers
+        // differ on whether a clock is meant.
+        let mut at_first = outputs.iter().chain(&clock);
+        at_first.try_for_each(|reference| unknown(xml, "InitialUnknown", reference))
     })
 }
 
