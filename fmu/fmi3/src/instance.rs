@@ -171,11 +171,8 @@ impl<M: Model<Variable: Structure>> Instance<M> {
         let Run { clock, model, .. } = &mut self.machine.run;
         match model.initialise(clock.start) {
             Ok(()) => {
-                self.machine.state = if self.event_mode_used {
-                    CallState::EventMode
-                } else {
-                    CallState::StepMode
-                };
+                self.machine.state =
+                    if self.event_mode_used { CallState::EventMode } else { CallState::StepMode };
                 fmi3Status::fmi3OK
             }
             Err(reason) => {
@@ -228,7 +225,7 @@ impl<M: Model<Variable: Structure>> Instance<M> {
         }
         Ok(Stepped {
             status,
-            event_handling_needed: tick.due,
+            event_handling_needed: tick.due && self.event_mode_used,
             early_return,
             last_successful_time_s: run.clock.point,
         })

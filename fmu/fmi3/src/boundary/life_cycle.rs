@@ -92,8 +92,10 @@ pub unsafe fn fmi3InstantiateCoSimulation<F: Fmi3>(
         let block = F::block().load();
         let baked = baked::open(&block).map_err(BakedError::description)?;
         if token.to_bytes() != baked.guid.as_bytes() {
-            return Err("the instantiation token is not the one baked into this library: binary and \
-                        description come from different FMUs");
+            return Err(
+                "the instantiation token is not the one baked into this library: binary and \
+                        description come from different FMUs",
+            );
         }
         let machine = Machine::<F::Model>::fresh(baked.payload)?;
         let memory = Memory::C.allocate::<Instance<F::Model>>();

@@ -11,7 +11,10 @@ use super::call::{Fmi3, OK, call};
 use crate::Function;
 use crate::types::*;
 
-pub unsafe fn fmi3GetFMUState<F: Fmi3>(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
+pub unsafe fn fmi3GetFMUState<F: Fmi3>(
+    instance: fmi3Instance,
+    state: *mut fmi3FMUState,
+) -> fmi3Status {
     // SAFETY: the contract of this module.
     unsafe {
         call::<F>(instance, Function::fmi3GetFMUState, |instance, function| {
@@ -41,7 +44,10 @@ pub unsafe fn fmi3SetFMUState<F: Fmi3>(instance: fmi3Instance, state: fmi3FMUSta
     }
 }
 
-pub unsafe fn fmi3FreeFMUState<F: Fmi3>(instance: fmi3Instance, state: *mut fmi3FMUState) -> fmi3Status {
+pub unsafe fn fmi3FreeFMUState<F: Fmi3>(
+    instance: fmi3Instance,
+    state: *mut fmi3FMUState,
+) -> fmi3Status {
     // SAFETY: the contract of this module; a freed state is not used any more.
     unsafe {
         call::<F>(instance, Function::fmi3FreeFMUState, |_, _| {
