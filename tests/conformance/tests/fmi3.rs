@@ -108,7 +108,7 @@ fn results_and_events_of_fmi_rs() {
             let found = Shown { reals, alarm, alarm_latched, state: number[0] as i32 };
             assert_eq!(found, *expected, "step size {}, step {i}", of.name);
         }
-        assert!(events > 1);
+        assert!(events > 0, "step size {}", of.name);
     }
 }
 
