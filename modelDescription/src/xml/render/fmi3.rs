@@ -141,19 +141,20 @@ fn variable<'a, V: Structure>(
     }
     let starts: Vec<String> =
         entry.elements.iter().map(|element| start_text(start(*element))).collect();
-    let is_text = matches!(row.kind, Kind::String);
-    if row.role.has_start() && !is_text {
+    // Texts may hold blanks: each is an element.
+    let has_texts = row.role.has_start() && matches!(row.kind, Kind::String);
+    if row.role.has_start() && !has_texts {
         attributes.push(("start", starts.join(" ")));
     }
     let kind = type_name(&row.kind);
-    if !entry.is_array && !(is_text && row.role.has_start()) {
+    if !entry.is_array && !has_texts {
         return empty(xml, kind, attributes);
     }
     element(xml, kind, attributes, |xml| {
         if entry.is_array {
             empty(xml, "Dimension", vec![("start", entry.elements.len().to_string())])?;
         }
-        if is_text && row.role.has_start() {
+        if has_texts {
             let starts = starts.into_iter();
             starts
                 .map(|text| vec![("value", text)])
