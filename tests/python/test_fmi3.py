@@ -237,7 +237,7 @@ def test_the_reference_table_inside_is_met_digit_for_digit(path, detector3, fixt
 
 
 def drive(instance, inputs, step, duration, event_mode):
-    """Steps with the inputs at each communication point; events, as (end of the step before, time, alarm, time said)."""
+    """Steps with the inputs at each communication point; events (point, time, alarm, time said) and what is shown."""
     names, rows = inputs
     events, shown = [], []
     for i in range(round(duration / step)):

@@ -4,8 +4,8 @@
 //! - Nothing in the file is trusted: it is read once, entry by entry, within the bounds of the
 //!   importer; nothing is written, and no code of it runs.
 //! - A rule that several entries break is one finding, which names the first of them.
-//! - Rules are those of FMI 2.0.4, section 2.3, and FMI 3.0.2, section 2.5, and what importers are known to trip over. A file
-//!   without a finding of level error is one that importers can be expected to take.
+//! - Rules are those of FMI 2.0.4, section 2.3, and FMI 3.0.2, section 2.5, and what importers are known
+//!   to trip over. A file without a finding of level error is one that importers can be expected to take.
 
 mod archive;
 mod binary;

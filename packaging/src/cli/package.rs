@@ -104,22 +104,14 @@ fn runtimes(given: &[(Platform, PathBuf)], needs: Needs) -> Result<[Runtimes; 2]
         let library = std::fs::read(file).map_err(|error| {
             Failure::bad(format!("cannot read the library `{}`: {error}", file.display()))
         })?;
-        let (of, version, needed) = match is_for_fmi3(&library) {
-            true => (&mut fmi3, "3.0", needs.fmi3),
-            false => (&mut fmi2, "2.0", needs.fmi2),
+        let (of, needed, other) = match is_for_fmi3(&library) {
+            true => (&mut fmi3, needs.fmi3, "2.0"),
+            false => (&mut fmi2, needs.fmi2, "3.0"),
         };
         if !needed {
-            let message = format!(
-                "`{}` is not a library for FMI {}",
-                file.display(),
-                match version {
-                    "3.0" => "2.0",
-                    _ => "3.0",
-                }
-            );
-            return Err(
-                Failure::bad(message).help("--fmi says which version is packaged: 2, 3 or both")
-            );
+            let message = format!("`{}` is not a library for FMI {other}", file.display());
+            let help = "--fmi says which version is packaged: 2, 3 or both";
+            return Err(Failure::bad(message).help(help));
         }
         of.0.insert(*platform, library);
     }
