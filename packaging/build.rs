@@ -1,7 +1,7 @@
-//! Builds the shared libraries of both FMUs for this machine, so that the command embeds them and
+//! Builds the shared libraries of all FMUs for this machine, so that the command embeds them and
 //! packages without a compiler. The variable `STEERGUARD_RUNTIMES` names a folder of prebuilt ones
-//! instead, `<platform>/<model identifier>.<extension>` as under an FMU's `binaries/`: all that are
-//! there are embedded, if they are of these sources. `packaging/runtimes/build` makes such a folder.
+//! instead, `<platform>/<library>.<extension>`: all that are there are embedded, if they are of these
+//! sources. `packaging/runtimes/build` makes such a folder.
 //!
 //! # Conventions
 //! - Their bytes depend on the sources, the toolchain and the target only: the environment is
@@ -28,8 +28,11 @@ mod names;
 use name::Platform;
 
 /// Package of the shared library, and its name.
-const RUNTIMES: [(&str, &str); 2] =
-    [("steerguard-fmu-cdylib", names::DETECTOR), ("steerguard-plant-cdylib", names::PLANT)];
+const RUNTIMES: [(&str, &str); 3] = [
+    ("steerguard-fmu-cdylib", names::DETECTOR),
+    ("steerguard-fmi3-cdylib", names::DETECTOR_FMI3),
+    ("steerguard-plant-cdylib", names::PLANT),
+];
 
 /// A platform and its libraries, in the order of [`RUNTIMES`].
 type Embedded = (Platform, Vec<PathBuf>);

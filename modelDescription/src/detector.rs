@@ -5,6 +5,7 @@
 //! - Outputs and locals hold the results of the last sample run and change in `fmi2DoStep` only.
 
 use crate::names::DETECTOR;
+use crate::structure::{Array, MatchingRule, Member, Structure, Terminal, TriggeredClock};
 use crate::{Kind, ModelInfo, Role, enumeration, unit, variables};
 
 /// The model as a whole.
@@ -236,4 +237,62 @@ variables! {
         VehicleHeight, "vehicle.h", "Height of the centre of gravity, 0 for no transfer of axle load",
             Role::CONSTANT, Kind::real(&unit::METRE).nominal(1.0);
     }
+}
+
+impl Structure for DetectorVariable {
+    const ARRAYS: &'static [Array<Self>] = &[
+        Array {
+            name: "residual",
+            description: "Residual: of the longitudinal speed, m/s, and of the yaw rate, rad/s",
+            elements: &[Self::ResidualSpeedX, Self::ResidualYawRate],
+        },
+        Array {
+            name: "z_0",
+            description: "Observer state z at the first sample, m/s, m/s, rad/s, if initialisation is Given",
+            elements: &[Self::InitialZ1, Self::InitialZ2, Self::InitialZ3],
+        },
+    ];
+    const CLOCK: TriggeredClock<Self> = TriggeredClock {
+        watched: Self::Alarm,
+        name: "alarm_change",
+        description: "Ticks at the sample that raises or ends the alarm",
+        time_name: "alarm_change_time",
+        time_description: "Sample time of the last tick of alarm_change; -1 before the first",
+    };
+    const TERMINALS: &'static [Terminal<Self>] = &[
+        Terminal {
+            name: "measurement",
+            description: "What the vehicle measures",
+            matching_rule: MatchingRule::Plug,
+            members: &[
+                ("v_x", Member::Variable(Self::SpeedX)),
+                ("r", Member::Variable(Self::YawRate)),
+            ],
+        },
+        Terminal {
+            name: "command",
+            description: "What the driver or the controller commands",
+            matching_rule: MatchingRule::Plug,
+            members: &[
+                ("T_eng", Member::Variable(Self::DriveTorque)),
+                ("delta", Member::Variable(Self::SteeringAngle)),
+            ],
+        },
+        Terminal {
+            name: "verdict",
+            description: "What the detector says",
+            matching_rule: MatchingRule::Bus,
+            members: &[
+                ("alarm", Member::Variable(Self::Alarm)),
+                ("state", Member::Variable(Self::State)),
+                ("residual", Member::Array(0)),
+                ("J_rms", Member::Variable(Self::Rms)),
+                ("J_th", Member::Variable(Self::Threshold)),
+                ("fault_estimate", Member::Variable(Self::FaultEstimate)),
+                ("fault_estimate_bound", Member::Variable(Self::FaultEstimateBound)),
+                ("alarm_change", Member::Clock),
+                ("alarm_change_time", Member::ClockTime),
+            ],
+        },
+    ];
 }

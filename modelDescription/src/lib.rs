@@ -1,6 +1,6 @@
-//! The variables of an FMI 2.0 Co-Simulation FMU, written once: the constant table that the FMU
-//! itself answers from, and (feature `xml`) its rendering to `modelDescription.xml`, the reader an
-//! importer needs, and a lint.
+//! The variables of a Co-Simulation FMU, written once: the constant table that the FMU itself answers
+//! from, and (feature `xml`) its rendering to the `modelDescription.xml` of FMI 2.0 and 3.0, the reader
+//! an importer needs, and a lint.
 //!
 //! # Conventions
 //! - A value reference is the variable's index in its table, unique over all types.
@@ -13,6 +13,7 @@
 pub mod detector;
 pub mod names;
 pub mod plant;
+pub mod structure;
 mod table;
 pub mod unit;
 #[cfg(feature = "xml")]

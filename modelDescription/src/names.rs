@@ -17,3 +17,6 @@ names! {
     /// The detector on the reference vehicle.
     SYSTEM, SYSTEM_FILE: "SteeringFaultSystem", ".ssp";
 }
+
+/// The detector's library for FMI 3.0 where it is built; inside the FMU it has the name of that for FMI 2.0.
+pub const DETECTOR_FMI3: &str = "SteeringFaultDetectorFmi3";

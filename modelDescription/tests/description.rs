@@ -123,7 +123,7 @@ fn the_description_has_no_finding() {
 /// What is replaced in the sound description, by what, and the rule that must notice.
 const DEFECTS: [(&str, &str, &str); 35] = [
     ("</ModelStructure>", "", "malformed-xml"),
-    ("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"", "version"),
+    ("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"", "version"),
     ("modelName=\"SteeringFaultDetector\"", "modelName=\"\"", "empty-model-name"),
     ("license=", "generationDateAndTime=\"31.1.2024\" license=", "date-form"),
     ("license=", "generationDateAndTime=\"2024-13-31T23:59:59Z\" license=", "date-form"),

@@ -1,18 +1,14 @@
-//! What the shared libraries inside the FMUs are linked from: of this workspace, each its model and
-//! what both are made of, and nothing else.
+//! What the shared libraries inside the FMUs are linked from: of this workspace, each its model, its
+//! version of FMI and what all are made of, and nothing else.
 
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// What both libraries are linked from.
-const COMMON: [&str; 4] = [
-    "steerguard-detector",
-    "steerguard-fmi2",
-    "steerguard-fmu-core",
-    "steerguard-model-description",
-];
+/// What all libraries are linked from.
+const COMMON: [&str; 3] =
+    ["steerguard-detector", "steerguard-fmu-core", "steerguard-model-description"];
 
 /// Packages of this workspace that `package` is linked from, itself aside.
 fn linked(package: &str) -> BTreeSet<String> {
@@ -36,13 +32,18 @@ fn with_common(model: &[&str]) -> BTreeSet<String> {
 
 #[test]
 fn the_detector_links_nothing_of_the_designer() {
-    assert_eq!(linked("steerguard-fmu-cdylib"), with_common(&["steerguard-fmu"]));
+    for (library, layer) in [
+        ("steerguard-fmu-cdylib", "steerguard-fmi2"),
+        ("steerguard-fmi3-cdylib", "steerguard-fmi3"),
+    ] {
+        assert_eq!(linked(library), with_common(&["steerguard-fmu", layer]));
+    }
 }
 
 #[test]
 fn the_reference_vehicle_links_nothing_of_the_designer() {
     assert_eq!(
         linked("steerguard-plant-cdylib"),
-        with_common(&["steerguard-plant", "steerguard-world"])
+        with_common(&["steerguard-plant", "steerguard-world", "steerguard-fmi2"])
     );
 }

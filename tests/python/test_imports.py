@@ -23,13 +23,15 @@ ALLOWED = {
     "modelDescription": set(),
     "fmu/core": {"model-description"},
     "fmu/fmi2": {"fmu-core", "model-description"},
+    "fmu/fmi3": {"fmu-core", "model-description"},
     "fmu/detector": {"detector", "fmu-core", "model-description"},
     "fmu/detector/cdylib": {"fmu", "fmu-core", "fmi2"},
+    "fmu/detector/cdylib-fmi3": {"fmu", "fmu-core", "fmi3"},
     "fmu/plant": {"detector", "world", "fmu-core", "model-description"},
     "fmu/plant/cdylib": {"plant", "fmu-core", "fmi2"},
     "packaging": {
         "detector", "world", "drives", "identification", "designer", "verify", "model-description", "fmu-core",
-        "fmi2", "fmu", "plant",
+        "fmi2", "fmi3", "fmu", "plant",
     },
 }  # fmt: skip
 

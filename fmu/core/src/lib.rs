@@ -12,11 +12,13 @@
 
 pub mod access;
 pub mod baked;
+mod call_states;
 pub mod clock;
 mod decimal;
 mod derivatives;
 mod export;
 pub mod fields;
+pub mod foreign;
 mod guid;
 mod log;
 mod memory;
@@ -28,6 +30,7 @@ mod status;
 mod text;
 
 pub use baked::{BLOCK_SIZE, Baked, BakedError, Block, PAYLOAD_CAPACITY, SealError, seal};
+pub use call_states::States;
 pub use clock::{Clock, RunRefusal, Step, StepRefusal};
 pub use derivatives::{MAX_INPUTS, MAX_ORDER};
 pub use fields::Archive;

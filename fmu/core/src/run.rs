@@ -46,9 +46,21 @@ impl<M: Model> Run<M> {
 
     /// Runs the samples of a step that the clock has accepted; the worst of their statuses.
     pub fn advance(&mut self, step: Step, log: &Log<'_>) -> Status {
+        self.advance_until(step, log, |_, _| false)
+    }
+
+    /// The same, but the step ends at the time of the first sample after which `is_over` says so of the
+    /// model and that time, s.
+    pub fn advance_until(
+        &mut self,
+        step: Step,
+        log: &Log<'_>,
+        mut is_over: impl FnMut(&M, f64) -> bool,
+    ) -> Status {
         let period = self.model.sample_period_s();
         let inputs = self.derivatives.given.then(|| self.inputs());
         let mut status = Status::Ok;
+        let mut end = step.end;
         while let Some(time) = self.clock.sample_before(step.end, period) {
             if let Some(inputs) = &inputs {
                 self.extrapolate(inputs, time - step.point);
@@ -59,13 +71,17 @@ impl<M: Model> Run<M> {
                 break;
             }
             self.clock.next_sample += 1;
+            if is_over(&self.model, time) {
+                end = time.max(step.point);
+                break;
+            }
         }
         if let Some(inputs) = &inputs {
             self.extrapolate(inputs, 0.0);
             self.derivatives = InputDerivatives::NONE;
         }
         if status.goes_on() {
-            self.clock.point = step.end;
+            self.clock.point = end;
         }
         status
     }

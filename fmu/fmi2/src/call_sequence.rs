@@ -1,5 +1,7 @@
 //! Which function may be called in which state: FMI 2.0.4, section 4.2.4, as data.
 
+use steerguard_fmu_core::States;
+
 use crate::Function;
 
 /// State of an instance in the calling sequence, in the order of the standard's table.
@@ -57,39 +59,6 @@ impl CallState {
             Self::Error => "error",
             Self::Fatal => "fatal",
         }
-    }
-}
-
-/// A set of states.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct States(u16);
-
-impl States {
-    /// Reads a row of the table: one character for each state, blanks aside, of which those in
-    /// `marks` count.
-    const fn from_row(row: &str, marks: &[u8]) -> Self {
-        let bytes = row.as_bytes();
-        let (mut states, mut column, mut i) = (0, 0, 0);
-        while i < bytes.len() {
-            if bytes[i] != b' ' {
-                let mut m = 0;
-                while m < marks.len() {
-                    if bytes[i] == marks[m] {
-                        states |= 1 << column;
-                    }
-                    m += 1;
-                }
-                column += 1;
-            }
-            i += 1;
-        }
-        assert!(column == CallState::ALL.len());
-        Self(states)
-    }
-
-    /// Whether `state` is one of them.
-    pub const fn contains(self, state: CallState) -> bool {
-        self.0 & (1 << state as u8) != 0
     }
 }
 
@@ -158,11 +127,11 @@ const ROWS: [(Function, &str); crate::FUNCTION_COUNT] = {
 };
 
 const fn compiled(marks: &[u8]) -> [States; crate::FUNCTION_COUNT] {
-    let mut table = [States(0); crate::FUNCTION_COUNT];
+    let mut table = [States::NONE; crate::FUNCTION_COUNT];
     let mut i = 0;
     while i < table.len() {
         assert!(ROWS[i].0 as usize == i);
-        table[i] = States::from_row(ROWS[i].1, marks);
+        table[i] = States::from_row(ROWS[i].1, marks, CallState::ALL.len());
         i += 1;
     }
     table

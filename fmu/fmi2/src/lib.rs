@@ -23,7 +23,7 @@ mod instance;
 mod tests;
 pub mod types;
 
-pub use call_sequence::{CallState, States};
+pub use call_sequence::CallState;
 pub use functions::{FUNCTION_COUNT, Function, pointers};
 /// For [`export_fmi2!`], whose users need not depend on it.
 #[doc(hidden)]

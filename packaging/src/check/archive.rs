@@ -8,6 +8,8 @@ use zip::result::ZipError;
 use zip::{CompressionMethod, ZipArchive};
 
 use super::findings::{Contents, DESCRIPTION, Findings};
+use super::surroundings::ICON;
+use crate::fmu::package::{ICON_FMI3, TERMINALS};
 use crate::importer::{MAX_ENTRIES, MAX_UNPACKED_BYTES};
 
 /// Most bytes of an entry that are kept; of longer descriptions, icons and libraries only the fact
@@ -107,7 +109,7 @@ const RULES: [Rule; 9] = [
         code: "compression",
         level: Level::Error,
         what: "is compressed by another method than deflate",
-        help: "FMI 2.0 knows stored and deflated entries only",
+        help: "FMI knows stored and deflated entries only",
         is_broken_by: |entry| !entry.is_compressed_readably(),
     },
     Rule {
@@ -306,7 +308,7 @@ fn unpack<R: Read + Seek>(
 
 /// Whether the bytes of an entry are examined.
 fn is_needed(name: &str) -> bool {
-    name == DESCRIPTION || name == super::surroundings::ICON || name.starts_with("binaries/")
+    [DESCRIPTION, TERMINALS, ICON, ICON_FMI3].contains(&name) || name.starts_with("binaries/")
 }
 
 fn unpack_entry<R: Read + Seek>(

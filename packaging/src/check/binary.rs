@@ -5,53 +5,15 @@ use std::collections::BTreeSet;
 
 use object::read::NameOrOrdinal;
 use object::{Architecture, BinaryFormat, Object as _, ObjectSection as _};
-use steerguard_fmi2::Function;
 use steerguard_fmu::BakedDesign;
 use steerguard_fmu_core::{BLOCK_SIZE, BakedError, baked};
 use steerguard_model_description::detector::INFO as DETECTOR;
 use steerguard_model_description::xml::{Header, Implementation, digest};
 
 use super::findings::{Contents, DESCRIPTION, Findings};
+use super::functions::{Wanted, is_known, wanted};
 use crate::mach_o::{self, Hashed};
 use crate::platform::Platform;
-
-/// Functions for Co-Simulation alone.
-const CO_SIMULATION: [Function; 9] = [
-    Function::fmi2SetRealInputDerivatives,
-    Function::fmi2GetRealOutputDerivatives,
-    Function::fmi2DoStep,
-    Function::fmi2CancelStep,
-    Function::fmi2GetStatus,
-    Function::fmi2GetRealStatus,
-    Function::fmi2GetIntegerStatus,
-    Function::fmi2GetBooleanStatus,
-    Function::fmi2GetStringStatus,
-];
-
-/// Functions for Model Exchange alone.
-const MODEL_EXCHANGE: [Function; 10] = [
-    Function::fmi2EnterEventMode,
-    Function::fmi2NewDiscreteStates,
-    Function::fmi2EnterContinuousTimeMode,
-    Function::fmi2CompletedIntegratorStep,
-    Function::fmi2SetTime,
-    Function::fmi2SetContinuousStates,
-    Function::fmi2GetDerivatives,
-    Function::fmi2GetEventIndicators,
-    Function::fmi2GetContinuousStates,
-    Function::fmi2GetNominalsOfContinuousStates,
-];
-
-/// Functions that importers do without unless a flag of the description is set.
-const OPTIONAL: [(Function, &str); 7] = [
-    (Function::fmi2GetFMUstate, "canGetAndSetFMUstate"),
-    (Function::fmi2SetFMUstate, "canGetAndSetFMUstate"),
-    (Function::fmi2FreeFMUstate, "canGetAndSetFMUstate"),
-    (Function::fmi2SerializedFMUstateSize, "canSerializeFMUstate"),
-    (Function::fmi2SerializeFMUstate, "canSerializeFMUstate"),
-    (Function::fmi2DeSerializeFMUstate, "canSerializeFMUstate"),
-    (Function::fmi2GetDirectionalDerivative, "providesDirectionalDerivative"),
-];
 
 pub(super) fn check(contents: &Contents, xml: &str, header: &Header, findings: &mut Findings) {
     let folders: BTreeSet<&str> = contents
@@ -73,11 +35,16 @@ pub(super) fn check(contents: &Contents, xml: &str, header: &Header, findings: &
         }
     }
     for folder in folders {
-        match Platform::of_folder(folder) {
+        let platform = Platform::of_folder(folder);
+        match platform.filter(|platform| !header.is_version_3 || platform.is_of_fmi3()) {
             Some(platform) => libraries(contents, xml, header, platform, findings),
             None => {
                 let message = format!("binaries/{folder:?} is no platform that importers look for");
-                let help = "FMI 2.0 has win32, win64, linux32, linux64, darwin32, darwin64";
+                let help = if header.is_version_3 {
+                    "FMI 3.0 has x86-, x86_64- and aarch64- before linux, windows and darwin"
+                } else {
+                    "FMI 2.0 has win32, win64, linux32, linux64, darwin32, darwin64"
+                };
                 findings.warning("unknown-platform", message, "", help);
             }
         }
@@ -104,7 +71,8 @@ fn libraries(
         } else if let Some(bytes) = contents.files.get(&path) {
             let served = header.implementations.iter().filter(|i| i.model_identifier == identifier);
             let served: Vec<&Implementation> = served.collect();
-            let library = Library { path, served, guid: &header.guid, xml };
+            let is_version_3 = header.is_version_3;
+            let library = Library { path, served, is_version_3, guid: &header.guid, xml };
             library.check(bytes, platform, findings);
         }
     }
@@ -113,6 +81,7 @@ fn libraries(
 struct Library<'a> {
     path: String,
     served: Vec<&'a Implementation>,
+    is_version_3: bool,
     guid: &'a str,
     xml: &'a str,
 }
@@ -187,19 +156,10 @@ impl Library<'_> {
     }
 
     fn exports(&self, exported: &BTreeSet<String>, findings: &mut Findings) {
-        let is = |co_simulation| self.served.iter().any(|i| i.is_co_simulation == co_simulation);
-        let missing = Function::ALL
-            .iter()
-            .filter(|function| is(true) || !CO_SIMULATION.contains(function))
-            .filter(|function| is(false) || !MODEL_EXCHANGE.contains(function))
-            .filter(|function| !exported.contains(function.name()));
-        let (dispensable, needed): (Vec<Function>, Vec<Function>) = missing.partition(|function| {
-            OPTIONAL.iter().any(|(optional, flag)| {
-                optional == *function
-                    && !self.served.iter().any(|i| i.flags.iter().any(|f| f == flag))
-            })
-        });
-        let names = |functions: &[Function]| listed(functions.iter().map(|f| f.name()));
+        let missing = wanted(self.is_version_3, &self.served).into_iter();
+        let missing = missing.filter(|function| !exported.contains(function.name));
+        let (dispensable, needed): (Vec<_>, Vec<_>) = missing.partition(|f| f.dispensable);
+        let names = |functions: &[Wanted]| listed(functions.iter().map(|f| f.name));
         if !needed.is_empty() {
             let message = format!("not exported: {}", names(&needed));
             findings.error("missing-function", message, &self.path, "export every function");
@@ -209,9 +169,11 @@ impl Library<'_> {
             let help = "no flag announces them, yet some importers look for every function";
             findings.warning("missing-function", message, &self.path, help);
         }
-        let known: BTreeSet<&str> = Function::ALL.iter().map(|function| function.name()).collect();
-        let others: Vec<&str> =
-            exported.iter().map(String::as_str).filter(|name| !known.contains(name)).collect();
+        let others: Vec<&str> = exported
+            .iter()
+            .map(String::as_str)
+            .filter(|name| !is_known(self.is_version_3, name))
+            .collect();
         if !others.is_empty() {
             let message = format!("exports more than FMI: {}", listed(others.into_iter()));
             let help = "they can clash with those of other FMUs in one process: hide them";
@@ -241,7 +203,9 @@ impl Library<'_> {
             let help = "description and library are of different FMUs: package the design again";
             error(findings, "guid-mismatch", message, help);
         }
-        let digest = digest(&self.xml.replacen(&format!("guid=\"{}\"", self.guid), "guid=\"\"", 1));
+        let token = if self.is_version_3 { "instantiationToken" } else { "guid" };
+        let stated = format!("{token}=\"{}\"", self.guid);
+        let digest = digest(&self.xml.replacen(&stated, &format!("{token}=\"\""), 1));
         if digest != self.guid {
             let message = "the description was changed: its GUID is not the digest of its content";
             findings.error("guid-digest", message, DESCRIPTION, "package the design again");

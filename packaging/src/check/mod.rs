@@ -4,18 +4,20 @@
 //! - Nothing in the file is trusted: it is read once, entry by entry, within the bounds of the
 //!   importer; nothing is written, and no code of it runs.
 //! - A rule that several entries break is one finding, which names the first of them.
-//! - Rules are those of FMI 2.0.4, section 2.3, and what importers are known to trip over. A file
-//!   without a finding of level error is one that importers can be expected to take.
+//! - Rules are those of FMI 2.0.4, section 2.3, and FMI 3.0.2, section 2.5, and what importers are known
+//!   to trip over. A file without a finding of level error is one that importers can be expected to take.
 
 mod archive;
 mod binary;
 mod findings;
+mod functions;
 mod surroundings;
 
 use std::io::{Read, Seek};
 
 use steerguard_model_description::xml::{self, Finding};
 
+use crate::fmu::package::TERMINALS;
 use findings::{Contents, DESCRIPTION, Findings};
 
 /// Examines an FMU; `name` is what findings call the file.
@@ -43,5 +45,20 @@ fn description(contents: &Contents, findings: &mut Findings) {
     // What is no XML has been found above.
     if let Ok(header) = xml::header(text) {
         binary::check(contents, text, &header, findings);
+        if header.is_version_3 {
+            terminals(contents, text, findings);
+        }
+    }
+}
+
+/// The terminals of an FMU of FMI 3.0, if it has any.
+fn terminals(contents: &Contents, description: &str, findings: &mut Findings) {
+    let Some(bytes) = contents.files.get(TERMINALS) else { return };
+    match std::str::from_utf8(bytes) {
+        Ok(text) => findings.list.extend(xml::lint_terminals(text, description)),
+        Err(_) => {
+            let message = "the file is not UTF-8";
+            findings.error("description-encoding", message, TERMINALS, "save it as UTF-8");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What comes with an FMU: documentation and icon.
 
 use super::findings::{Contents, Findings};
+use crate::fmu::package::ICON_FMI3;
 
 /// Path of the icon.
 pub(super) const ICON: &str = "model.png";
@@ -14,16 +15,21 @@ pub(super) fn check(contents: &Contents, findings: &mut Findings) {
         let help = "a page there tells the reader how to use the FMU";
         findings.note("no-documentation", format!("{PAGE} is missing"), "", help);
     }
-    if !contents.names.iter().any(|name| name == ICON) {
+    // FMI 2.0 and 3.0 have other names for it.
+    let Some(icon) =
+        [ICON, ICON_FMI3].into_iter().find(|icon| contents.names.iter().any(|n| n == icon))
+    else {
         let help = "importers show it where they show the FMU";
         findings.note("no-icon", format!("{ICON} is missing"), "", help);
-    } else if let Some(bytes) = contents.files.get(ICON) {
+        return;
+    };
+    if let Some(bytes) = contents.files.get(icon) {
         match png_size(bytes) {
-            None => findings.note("icon-format", "the icon is no PNG", ICON, "save it as PNG"),
+            None => findings.note("icon-format", "the icon is no PNG", icon, "save it as PNG"),
             Some([width, height]) if width.min(height) < MIN_ICON_SIDE => {
                 let message = format!("the icon has {width} x {height} pixels");
                 let help = "draw it at 200 x 200 or more: importers scale it";
-                findings.note("icon-size", message, ICON, help);
+                findings.note("icon-size", message, icon, help);
             }
             Some(_) => {}
         }

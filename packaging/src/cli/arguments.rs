@@ -79,6 +79,19 @@ pub enum Allowance {
     Blind,
 }
 
+/// Version of FMI that the detector is packaged in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FmiVersion {
+    /// FMI 2.0
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0
+    #[value(name = "3")]
+    Three,
+    /// FMI 2.0 as X.fmu, FMI 3.0 as X.fmi3.fmu
+    Both,
+}
+
 /// Arguments of `identify`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -145,6 +158,7 @@ pub struct VerifyArguments {
   steerguard package my-car.toml --plant VehiclePlant.fmu
   steerguard package design.json --system SteeringFaultSystem.ssp
   steerguard package design.json --only linux64,win64
+  steerguard package design.json --fmi both -o my-car.fmu
   steerguard package design.json --runtime win64=SteeringFaultDetector.dll")]
 pub struct PackageArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
@@ -156,6 +170,9 @@ pub struct PackageArguments {
     /// FMU to write
     #[arg(short, long, value_name = "FILE", default_value = names::DETECTOR_FILE)]
     pub output: PathBuf,
+    /// Version of FMI of the detector's FMU; both: FILE in FMI 2.0, and beside it FILE with .fmi3.fmu for .fmu
+    #[arg(long, value_name = "VERSION", value_enum, default_value = "2")]
+    pub fmi: FmiVersion,
     /// Write the reference vehicle's FMU as well
     #[arg(long, value_name = "FILE")]
     pub plant: Option<PathBuf>,
@@ -163,7 +180,7 @@ pub struct PackageArguments {
     #[arg(long, value_name = "FILE")]
     pub system: Option<PathBuf>,
     /// Add the detector's unbaked library for a further platform: linux64, win64, darwin64,
-    /// aarch64-linux
+    /// aarch64-linux; which version of FMI it is for is seen from what it exports
     #[arg(long, value_name = "PLATFORM=FILE", value_parser = runtime)]
     pub runtime: Vec<(Platform, PathBuf)>,
     /// Libraries for these platforms alone, in every file written: smaller. Without it for all that this
@@ -178,7 +195,7 @@ pub struct PackageArguments {
   steerguard check SteeringFaultDetector.fmu
   steerguard check --json other.fmu")]
 pub struct CheckArguments {
-    /// Any FMI 2.0 FMU; nothing of it is written to disk or run
+    /// Any FMU of FMI 2.0 or 3.0; nothing of it is written to disk or run
     pub fmu: PathBuf,
 }
 

@@ -9,12 +9,12 @@ use steerguard_model_description::names;
 
 use super::input;
 use super::print::print;
-use crate::cli::arguments::PackageArguments;
+use crate::cli::arguments::{FmiVersion, PackageArguments};
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
 use crate::fmu::design_summary::{Record, baked, status};
-use crate::fmu::package::{PackageError, detector_fmu, plant_fmu};
-use crate::fmu::runtime::Runtimes;
+use crate::fmu::package::{PackageError, detector_fmi3, detector_fmu, plant_fmu};
+use crate::fmu::runtime::{Runtimes, is_for_fmi3};
 use crate::fmu::system::system_ssp;
 use crate::output;
 use crate::platform::Platform;
@@ -36,36 +36,60 @@ struct PackagedDesign {
 }
 
 pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Failure> {
-    for output in [Some(&arguments.output), arguments.plant.as_ref(), arguments.system.as_ref()] {
-        output.map_or(Ok(()), |output| input::apart(&arguments.design, output))?;
+    let PackageArguments { output, fmi, plant: plant_path, system: system_path, .. } = arguments;
+    let fmi2_path = (*fmi != FmiVersion::Three).then_some(output);
+    let beside = beside(output);
+    let fmi3_path = match fmi {
+        FmiVersion::Two => None,
+        FmiVersion::Three => Some(output),
+        FmiVersion::Both => Some(&beside),
+    };
+    let outputs = [fmi2_path, fmi3_path, plant_path.as_ref(), system_path.as_ref()];
+    let outputs: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
+    for (i, output) in outputs.iter().enumerate() {
+        input::apart(&arguments.design, output)?;
+        if outputs.iter().take(i).any(|other| other == output) {
+            return Err(Failure::bad(format!("`{}` would be written twice", output.display()))
+                .help("name another file for one of them"));
+        }
     }
-    let mut runtimes = Runtimes::detector();
-    for (platform, file) in &arguments.runtime {
-        runtimes.add(*platform, file).map_err(|error| {
-            Failure::bad(format!("cannot read the library `{}`: {error}", file.display()))
-        })?;
-    }
-    let runtimes = only(runtimes, &arguments.only, names::DETECTOR)?;
-    let with_plant = arguments.plant.is_some() || arguments.system.is_some();
-    let plant_runtimes = if with_plant {
-        only(Runtimes::plant(), &arguments.only, names::PLANT)?
-    } else {
-        Runtimes::plant()
+    let needs =
+        Needs { fmi2: fmi2_path.is_some() || system_path.is_some(), fmi3: fmi3_path.is_some() };
+    let [runtimes, fmi3_runtimes] = runtimes(&arguments.runtime, needs)?;
+    let runtimes = match needs.fmi2 {
+        true => only(runtimes, &arguments.only, names::DETECTOR)?,
+        false => runtimes,
+    };
+    let fmi3_runtimes = match needs.fmi3 {
+        true => only(fmi3_runtimes, &arguments.only, names::DETECTOR_FMI3)?,
+        false => fmi3_runtimes,
+    };
+    let plant_runtimes = match plant_path.is_some() || system_path.is_some() {
+        true => only(Runtimes::plant(), &arguments.only, names::PLANT)?,
+        false => Runtimes::plant(),
     };
     let design = {
         let progress = Progress::new();
         input::design(&arguments.design, &arguments.allow, &progress)?
     };
-    let mut fmus = vec![detector(&design, &runtimes, &arguments.output)?];
-    if let Some(path) = &arguments.plant {
+    let mut fmus = Vec::new();
+    if let Some(path) = fmi2_path {
+        fmus.push(detector(&design, &runtimes, path)?);
+    }
+    if let Some(path) = fmi3_path {
+        let fmu = detector_fmi3(&payload(&design)?, &Record::of(&design), &fmi3_runtimes);
+        fmus.push(write(path, fmu)?);
+    }
+    if let Some(path) = plant_path {
         fmus.push(plant(&plant_runtimes, path)?);
     }
-    if let Some(path) = &arguments.system {
+    if let Some(path) = system_path {
         fmus.push(system(&design, &runtimes, &plant_runtimes, path)?);
     }
-    let platforms = runtimes.0.keys().map(|platform| platform.folder()).collect();
+    let used = if needs.fmi2 { &runtimes } else { &fmi3_runtimes };
+    let platforms = used.0.keys().map(|platform| platform.folder()).collect();
     let status = design.synthesis.status;
-    let text = caution(status) + &listed(&fmus, "") + &format!("for {}\n", runtimes.listed());
+    let text = caution(status) + &listed(&fmus, "") + &format!("for {}\n", used.listed());
     print(json, &PackagedDesign { status, fmus, platforms }, &text)?;
     Ok(Exit::Done)
 }
@@ -80,6 +104,43 @@ fn only(runtimes: Runtimes, platforms: &[Platform], model: &str) -> Result<Runti
              has both models' for more platforms",
         )
     })
+}
+
+/// The file of FMI 3.0 beside that of FMI 2.0.
+fn beside(path: &Path) -> PathBuf {
+    let is_fmu = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"));
+    let stem = if is_fmu { path.file_stem() } else { path.file_name() };
+    let mut name = stem.unwrap_or_default().to_owned();
+    name.push(".fmi3.fmu");
+    path.with_file_name(name)
+}
+
+/// Which versions of FMI something is packaged in.
+#[derive(Clone, Copy)]
+struct Needs {
+    fmi2: bool,
+    fmi3: bool,
+}
+
+/// The detector's libraries of FMI 2.0 and 3.0: those of this machine, and those that were given.
+fn runtimes(given: &[(Platform, PathBuf)], needs: Needs) -> Result<[Runtimes; 2], Failure> {
+    let (mut fmi2, mut fmi3) = (Runtimes::detector(), Runtimes::detector_fmi3());
+    for (platform, file) in given {
+        let library = std::fs::read(file).map_err(|error| {
+            Failure::bad(format!("cannot read the library `{}`: {error}", file.display()))
+        })?;
+        let (of, needed, other) = match is_for_fmi3(&library) {
+            true => (&mut fmi3, needs.fmi3, "2.0"),
+            false => (&mut fmi2, needs.fmi2, "3.0"),
+        };
+        if !needed {
+            let message = format!("`{}` is not a library for FMI {other}", file.display());
+            let help = "--fmi says which version is packaged: 2, 3 or both";
+            return Err(Failure::bad(message).help(help));
+        }
+        of.0.insert(*platform, library);
+    }
+    Ok([fmi2, fmi3])
 }
 
 /// A line that says so where a design is not certified, or blind.
@@ -127,7 +188,8 @@ fn system(
 fn write(path: &Path, fmu: Result<Vec<u8>, PackageError>) -> Result<Packaged, Failure> {
     let bytes = fmu.map_err(|error| match error {
         PackageError::Library { .. } | PackageError::NoLibrary => Failure::bad(error).help(
-            "--runtime PLATFORM=FILE takes the library of steerguard-fmu-cdylib built for PLATFORM",
+            "--runtime PLATFORM=FILE takes the library of steerguard-fmu-cdylib, or for FMI 3.0 of \
+             steerguard-fmi3-cdylib, built for PLATFORM",
         ),
         other => Failure::bad(other),
     })?;

@@ -47,6 +47,22 @@ step are those of the last sample run.</li>
 </ul>
 ";
 
+/// What the page says of the detector in FMI 3.0 beside.
+pub const DETECTOR_FMI3: &str = "\
+<h2>In FMI 3.0</h2>
+<ul>
+<li><code>residual</code> is an array of <code>residual.v_x</code> (m/s) and <code>residual.r</code>
+(rad/s), <code>z_0</code> one of <code>z_0[1]</code> to <code>z_0[3]</code>. Reals are Float64, Integers Int32.</li>
+<li>The triggered output clock <code>alarm_change</code> ticks at the sample that raises or ends the
+alarm; <code>alarm_change_time</code>, clocked by it, is that sample's time. An importer that uses Event
+Mode and allows early return gets <code>fmi3DoStep</code> back there, even where the sample falls on the communication
+point itself; one that allows no early return finds the tick at the step's end; without Event Mode steps are
+done whole.</li>
+<li>Terminals group what is wired together: <code>measurement</code>, <code>command</code>,
+<code>verdict</code>.</li>
+</ul>
+";
+
 /// What the page of `VehiclePlant.fmu` says of it.
 pub const PLANT: &str = "\
 <h2>Use</h2>

@@ -9,4 +9,5 @@ pub mod reference;
 pub mod runtime;
 pub mod second;
 pub mod sight;
+mod slices;
 pub mod system;

@@ -5,7 +5,9 @@ use std::io;
 use steerguard_detector::Vehicle;
 use steerguard_fmu::{BakedDesign, DesignError, DetectorModel};
 use steerguard_fmu_core::Model;
+use steerguard_model_description::detector::DetectorVariable;
 use steerguard_model_description::plant::PlantVariable;
+use steerguard_model_description::xml::Rendered;
 use steerguard_model_description::{DefaultExperiment, xml};
 use steerguard_plant::PlantModel;
 
@@ -15,6 +17,7 @@ use crate::fmu::design_summary::Record;
 use crate::fmu::documentation;
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
+use crate::fmu::slices;
 use crate::platform::Platform;
 
 /// Length of the run that the FMUs propose, s: the scenario of the paper's Fig. 1.
@@ -32,6 +35,12 @@ const LICENCES: [(&str, &str); 4] = [
 ];
 
 const ICON: &[u8] = include_bytes!("../../assets/model.png");
+
+/// Path of the icon in FMI 3.0.
+pub(crate) const ICON_FMI3: &str = "terminalsAndIcons/icon.png";
+
+/// Path of the terminals in FMI 3.0.
+pub(crate) const TERMINALS: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
 /// Why an FMU cannot be packaged.
 #[derive(Debug, thiserror::Error)]
@@ -70,14 +79,53 @@ pub fn detector_fmu(
 ) -> Result<Vec<u8>, PackageError> {
     let payload = design.encode()?;
     let model = DetectorModel::new(&payload).map_err(PackageError::Model)?;
-    let parts = Parts {
-        payload: &payload,
+    fmu(&model, &detector_parts(design, record, &payload)?, runtimes)
+}
+
+/// The same in FMI 3.0: libraries are those of [`Runtimes::detector_fmi3`].
+///
+/// # Errors
+/// [`PackageError`].
+pub fn detector_fmi3(
+    design: &BakedDesign,
+    record: &Record,
+    runtimes: &Runtimes,
+) -> Result<Vec<u8>, PackageError> {
+    let payload = design.encode()?;
+    let model = DetectorModel::new(&payload).map_err(PackageError::Model)?;
+    let mut parts = detector_parts(design, record, &payload)?;
+    parts.about += documentation::DETECTOR_FMI3;
+    for (_, table) in &mut parts.reference {
+        *table = reference::with_arrays::<DetectorVariable>(table);
+    }
+    let start = |variable| model.get(variable);
+    let described = xml::fmi3::describe(&DetectorModel::INFO, start, &parts.experiment())?;
+    let libraries: Vec<(Platform, &[u8])> = runtimes
+        .0
+        .iter()
+        .flat_map(|(platform, library)| {
+            platform.of_fmi3().iter().map(move |of_fmi3| (*of_fmi3, library))
+        })
+        .filter_map(|(platform, library)| Some((platform, slices::slice(library, platform)?)))
+        .collect();
+    let mut archive = archive(&model, &parts, &described, &libraries)?;
+    archive.insert(TERMINALS, xml::fmi3::terminals::<DetectorVariable>()?);
+    archive.insert(ICON_FMI3, ICON);
+    archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
+}
+
+fn detector_parts<'a>(
+    design: &BakedDesign,
+    record: &Record,
+    payload: &'a [u8],
+) -> Result<Parts<'a>, PackageError> {
+    Ok(Parts {
+        payload,
         step_s: design.configuration.model.sampling_period_s,
         about: documentation::detector(design, record),
         reference: reference::detector(&design.configuration)
             .map_err(DesignError::Configuration)?,
-    };
-    fmu(&model, &parts, runtimes)
+    })
 }
 
 /// The bytes of `VehiclePlant.fmu`.
@@ -107,34 +155,49 @@ struct Parts<'a> {
     reference: reference::Files,
 }
 
-/// The FMU of `model`, which is fresh.
+impl Parts<'_> {
+    fn experiment(&self) -> DefaultExperiment {
+        DefaultExperiment { start_time: 0.0, stop_time: STOP_TIME_S, step_size: self.step_s }
+    }
+}
+
+/// The FMU of `model`, which is fresh, in FMI 2.0.
 fn fmu<M: Model>(
     model: &M,
     parts: &Parts<'_>,
     runtimes: &Runtimes,
 ) -> Result<Vec<u8>, PackageError> {
-    if runtimes.0.is_empty() {
+    let described = xml::describe(&M::INFO, |variable| model.get(variable), &parts.experiment())?;
+    let libraries: Vec<(Platform, &[u8])> =
+        runtimes.0.iter().map(|(platform, library)| (*platform, library.as_slice())).collect();
+    let mut archive = archive(model, parts, &described, &libraries)?;
+    archive.insert("model.png", ICON);
+    archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
+}
+
+/// What FMUs of all versions hold.
+fn archive<M: Model>(
+    model: &M,
+    parts: &Parts<'_>,
+    described: &Rendered,
+    libraries: &[(Platform, &[u8])],
+) -> Result<Archive, PackageError> {
+    if libraries.is_empty() {
         return Err(PackageError::NoLibrary);
     }
-    let start = |variable| model.get(variable);
-    let experiment =
-        DefaultExperiment { start_time: 0.0, stop_time: STOP_TIME_S, step_size: parts.step_s };
-    let described = xml::describe(&M::INFO, start, &experiment)?;
-
-    let mut archive = Archive::new(described.xml);
-    for (&platform, library) in &runtimes.0 {
+    let mut archive = Archive::new(described.xml.as_str());
+    for &(platform, library) in libraries {
         let library = bake(library, platform, &described.guid, parts.payload)
             .map_err(|source| PackageError::Library { platform, source })?;
         archive.insert(platform.library_path(M::INFO.identifier), library);
     }
-    let page = documentation::page(&M::INFO, &parts.about, start);
+    let page = documentation::page(&M::INFO, &parts.about, |variable| model.get(variable));
     archive.insert("documentation/index.html", page);
-    archive.insert("model.png", ICON);
     for (name, text) in LICENCES {
         archive.insert(format!("documentation/licenses/{name}"), text);
     }
     for (name, table) in &parts.reference {
         archive.insert(format!("extra/{}{name}", M::INFO.identifier), table.as_bytes());
     }
-    archive.to_bytes().map_err(|error| PackageError::Write(error.into()))
+    Ok(archive)
 }

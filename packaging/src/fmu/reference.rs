@@ -16,6 +16,7 @@ use steerguard_detector::{
     Actuator, Configuration, ConfigurationError, Detector, FaultEstimate, Input, Output, Vehicle,
     VehicleState,
 };
+use steerguard_model_description::structure::Structure;
 use steerguard_world::{Excitation, STEP_S, State, Steering, TrueVehicle, World};
 
 use crate::drive::scenario::Scenario;
@@ -43,6 +44,26 @@ const DETECTOR_OUTPUTS: [&str; 8] = [
 
 /// The two files, by what follows the model's name in theirs.
 pub type Files = [(&'static str, String); 2];
+
+/// A table with the names of FMI 3.0, where variables are elements of arrays: `residual[1]`.
+pub fn with_arrays<V: Structure>(table: &str) -> String {
+    let (names, rows) = table.split_once('\n').unwrap_or((table, ""));
+    let renamed = |name: &str| {
+        V::ARRAYS
+            .iter()
+            .find_map(|array| {
+                let row = |element: &V| V::TABLE.get(element.value_reference() as usize);
+                let index = array
+                    .elements
+                    .iter()
+                    .position(|element| row(element).is_some_and(|row| row.name == name))?;
+                Some(format!("{}[{}]", array.name, index + 1))
+            })
+            .unwrap_or_else(|| name.to_owned())
+    };
+    let names: Vec<String> = names.split(',').map(renamed).collect();
+    names.join(",") + "\n" + rows
+}
 
 /// Speed in the middle of the design range, m/s: where a run of the design starts by default.
 pub fn speed_m_per_s(design: &Configuration) -> f64 {
@@ -219,6 +240,15 @@ mod tests {
         let (switch, signals) = inputs.split_last().unwrap();
         assert_eq!((signals, *switch), (DETECTOR_INPUTS.as_slice(), "enabled"));
         assert_eq!(names(detector, Causality::Output), DETECTOR_OUTPUTS);
+    }
+
+    #[test]
+    fn elements_of_arrays_are_called_so_in_fmi_3() {
+        let names = DETECTOR_OUTPUTS.join(",");
+        let renamed = with_arrays::<DetectorVariable>(&format!("time,{names}\n0.0,1.0\n"));
+        let (head, rows) = renamed.split_once('\n').unwrap();
+        assert!(head.starts_with("time,residual[1],residual[2],J_rms,J_th,alarm,"), "{head}");
+        assert_eq!(rows, "0.0,1.0\n");
     }
 
     #[test]

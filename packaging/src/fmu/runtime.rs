@@ -1,12 +1,12 @@
-//! The shared libraries of both FMUs before anything is baked into them.
+//! The shared libraries of all FMUs before anything is baked into them.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use crate::platform::Platform;
 
-/// What is built into this command: a platform, and the libraries of detector and reference vehicle.
-type Embedded = (Platform, &'static [u8], &'static [u8]);
+/// What is built into this command: a platform, and the libraries of the detector in FMI 2.0, in FMI 3.0, and
+/// of the reference vehicle.
+type Embedded = (Platform, &'static [u8], &'static [u8], &'static [u8]);
 
 // EMBEDDED, written by the build script.
 include!(env!("STEERGUARD_EMBEDDED"));
@@ -18,21 +18,21 @@ pub struct Runtimes(pub BTreeMap<Platform, Vec<u8>>);
 impl Runtimes {
     /// The detector's libraries that are part of this command.
     pub fn detector() -> Self {
-        Self(EMBEDDED.iter().map(|(platform, bytes, _)| (*platform, bytes.to_vec())).collect())
+        Self::embedded(|(_, fmi2, _, _)| fmi2)
+    }
+
+    /// The detector's libraries of FMI 3.0 that are part of this command.
+    pub fn detector_fmi3() -> Self {
+        Self::embedded(|(_, _, fmi3, _)| fmi3)
     }
 
     /// The reference vehicle's libraries that are part of this command.
     pub fn plant() -> Self {
-        Self(EMBEDDED.iter().map(|(platform, _, bytes)| (*platform, bytes.to_vec())).collect())
+        Self::embedded(|(_, _, _, plant)| plant)
     }
 
-    /// Adds or replaces the library of a platform by the file at `path`.
-    ///
-    /// # Errors
-    /// What reading the file says.
-    pub fn add(&mut self, platform: Platform, path: &Path) -> std::io::Result<()> {
-        self.0.insert(platform, std::fs::read(path)?);
-        Ok(())
+    fn embedded(library: fn(&Embedded) -> &'static [u8]) -> Self {
+        Self(EMBEDDED.iter().map(|of| (of.0, library(of).to_vec())).collect())
     }
 
     /// These libraries alone; `platforms` empty means all.
@@ -51,4 +51,10 @@ impl Runtimes {
     pub fn listed(&self) -> String {
         self.0.keys().map(|platform| platform.folder()).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// Whether a library is for FMI 3.0, by the name of a function that it exports then.
+pub fn is_for_fmi3(library: &[u8]) -> bool {
+    const NAME: &[u8] = b"fmi3GetVersion";
+    library.windows(NAME.len()).any(|bytes| bytes == NAME)
 }

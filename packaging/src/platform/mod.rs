@@ -35,6 +35,22 @@ impl Platform {
         }
     }
 
+    /// Whether FMI 3.0 calls a platform so: processor and operating system.
+    pub fn is_of_fmi3(self) -> bool {
+        self.folder().contains('-')
+    }
+
+    /// The platforms of FMI 3.0 that a shared library for this one serves.
+    pub const fn of_fmi3(self) -> &'static [Self] {
+        match self {
+            Self::Linux64 => &[Self::X86_64Linux],
+            Self::Win64 => &[Self::X86_64Windows],
+            Self::Darwin64 => &[Self::X86_64Darwin, Self::Aarch64Darwin],
+            Self::Aarch64Linux => &[Self::Aarch64Linux],
+            _ => &[],
+        }
+    }
+
     /// Section that a design is baked into.
     pub fn section(self) -> &'static str {
         match self.format() {

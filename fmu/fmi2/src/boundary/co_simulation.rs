@@ -1,9 +1,10 @@
 //! Steps, derivatives, status.
 
 use steerguard_fmu_core::Fmu;
+use steerguard_fmu_core::foreign::{array, place};
 use steerguard_model_description::LogCategory;
 
-use super::call::{OK, array, call, place};
+use super::call::{OK, call};
 use crate::Function;
 use crate::instance::Instance;
 use crate::types::*;

@@ -2,10 +2,11 @@
 
 use core::ptr;
 
+use steerguard_fmu_core::foreign::{array, string};
 use steerguard_fmu_core::{BakedError, Fmu, Guid, baked};
 use steerguard_model_description::LogCategory;
 
-use super::call::{OK, array, call, enter, string};
+use super::call::{OK, call, enter};
 use crate::environment::Environment;
 use crate::instance::{Instance, Machine};
 use crate::types::*;

@@ -2,58 +2,14 @@
 //!
 //! A saved state is its serialised form in memory: one format, checked in one place, for both.
 
-use core::{ptr, slice};
+use core::ptr;
 
-use steerguard_fmu_core::{Fmu, Memory, fields, saved_state};
+use steerguard_fmu_core::foreign::{HeldState, array, array_mut, place};
+use steerguard_fmu_core::{Fmu, fields, saved_state};
 
-use super::call::{OK, array, array_mut, call, place};
+use super::call::{OK, call};
 use crate::Function;
 use crate::types::*;
-
-/// A saved state in memory: its length, then that many bytes.
-#[repr(C)]
-struct SavedState {
-    length: usize,
-    bytes: [u8; 0],
-}
-
-impl SavedState {
-    /// The bytes of a state.
-    unsafe fn bytes<'a>(state: fmi2FMUstate) -> Option<&'a [u8]> {
-        let state: *const Self = state.cast_const().cast();
-        if state.is_null() || !state.is_aligned() {
-            return None;
-        }
-        // SAFETY: by the contract of this module the state is one that `prepare` made.
-        unsafe { array((&raw const (*state).bytes).cast(), (*state).length) }
-    }
-
-    /// Room for `length` bytes at `*state`: what is there if it has that length, or new.
-    unsafe fn prepare<'a>(
-        memory: Memory,
-        state: *mut fmi2FMUstate,
-        length: usize,
-    ) -> Result<&'a mut [u8], &'static str> {
-        // SAFETY: the contract of this module.
-        let state = unsafe { state.as_mut() }.ok_or("argument FMUstate is NULL")?;
-        let old: *const Self = state.cast_const().cast();
-        // SAFETY: by the contract of this module the state is NULL or one that was made here.
-        if unsafe { old.as_ref() }.is_none_or(|old| old.length != length) {
-            let new = memory.allocate_bytes(size_of::<Self>().saturating_add(length));
-            let new = new.ok_or("out of memory")?;
-            // SAFETY: the memory is aligned and large enough for the length; `*state` is NULL or,
-            // being replaced, not used any more.
-            unsafe {
-                new.cast::<usize>().write(length);
-                memory.release(*state);
-            }
-            *state = new.as_ptr();
-        }
-        let header: *mut Self = state.cast();
-        // SAFETY: `length` bytes follow the header, zeroed when allocated.
-        Ok(unsafe { slice::from_raw_parts_mut((&raw mut (*header).bytes).cast(), length) })
-    }
-}
 
 pub unsafe fn fmi2GetFMUstate<F: Fmu>(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
     // SAFETY: the contract of this module.
@@ -61,7 +17,7 @@ pub unsafe fn fmi2GetFMUstate<F: Fmu>(c: fmi2Component, state: *mut fmi2FMUstate
         call::<F>(c, Function::fmi2GetFMUstate, |instance, function| {
             let machine = &mut instance.machine;
             let length = saved_state::length(|archive| machine.archive(archive));
-            let bytes = SavedState::prepare(instance.environment.memory(), state, length)
+            let bytes = HeldState::prepare(instance.environment.memory(), state, length)
                 .map_err(|reason| instance.refuse_because(function, reason))?;
             let machine = &mut instance.machine;
             if saved_state::write(bytes, &instance.guid, |archive| machine.archive(archive)) {
@@ -78,7 +34,7 @@ pub unsafe fn fmi2SetFMUstate<F: Fmu>(c: fmi2Component, state: fmi2FMUstate) -> 
     unsafe {
         call::<F>(c, Function::fmi2SetFMUstate, |instance, function| {
             let bytes =
-                SavedState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
+                HeldState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
             instance.machine = instance.restored(function, bytes)?;
             Ok(OK)
         })
@@ -107,7 +63,7 @@ pub unsafe fn fmi2SerializedFMUstateSize<F: Fmu>(
     unsafe {
         call::<F>(c, Function::fmi2SerializedFMUstateSize, |instance, function| {
             let bytes =
-                SavedState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
+                HeldState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
             let size = place(size).ok_or_else(|| instance.null(function, "size"))?;
             size.write(bytes.len());
             Ok(OK)
@@ -125,7 +81,7 @@ pub unsafe fn fmi2SerializeFMUstate<F: Fmu>(
     unsafe {
         call::<F>(c, Function::fmi2SerializeFMUstate, |instance, function| {
             let bytes =
-                SavedState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
+                HeldState::bytes(state).ok_or_else(|| instance.null(function, "FMUstate"))?;
             let buffer = array_mut(serialized.cast::<u8>(), size)
                 .ok_or_else(|| instance.null(function, "serializedState"))?;
             if buffer.len() < bytes.len() {
@@ -154,7 +110,7 @@ pub unsafe fn fmi2DeSerializeFMUstate<F: Fmu>(
             let bytes = array(serialized.cast::<u8>(), size)
                 .ok_or_else(|| instance.null(function, "serializedState"))?;
             instance.restored(function, bytes)?;
-            let buffer = SavedState::prepare(instance.environment.memory(), state, size)
+            let buffer = HeldState::prepare(instance.environment.memory(), state, size)
                 .map_err(|reason| instance.refuse_because(function, reason))?;
             fields::copy(bytes, buffer);
             Ok(OK)

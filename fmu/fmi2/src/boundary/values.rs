@@ -1,9 +1,10 @@
 //! Getting and setting values.
 
+use steerguard_fmu_core::foreign::{array, array_mut, string};
 use steerguard_fmu_core::{AccessRefusal, Fmu, Model, access};
 use steerguard_model_description::{Value, VariableSet};
 
-use super::call::{OK, array, array_mut, call, string};
+use super::call::{OK, call};
 use crate::Function;
 use crate::types::*;
 

@@ -197,7 +197,7 @@ fn values_can_be_read_in_every_state_that_allows_it() {
     let component: Component<'_> = importer.instantiate();
     for state in CallState::ALL.into_iter().skip(1) {
         component.force(state);
-        let allowed = crate::Function::fmi2GetReal.allowed_states().contains(state);
+        let allowed = crate::Function::fmi2GetReal.allowed_states().contains(state as u8);
         let mut value = 0.0;
         let status = unsafe { fmi2GetReal(component.c, &(V::Period as u32), 1, &mut value) };
         assert_eq!((status == OK, value == 0.01), (allowed, allowed));

@@ -16,6 +16,7 @@ pub fn fixture(name: &str) -> PathBuf {
 }
 
 /// The FMU of a model, unpacked and described by the foreign importer.
+#[allow(dead_code, reason = "not every test file needs it")]
 pub fn import(model: &str) -> Fmi2Import {
     let path = fixture(&format!("{model}.fmu"));
     fmi::import::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
