@@ -22,6 +22,7 @@ FMUS = {"SteeringFaultDetector": "detector", "VehiclePlant": "plant"}
 EXTENSIONS = {"linux64": "so", "aarch64-linux": "so", "win64": "dll", "darwin64": "dylib"}
 KINDS = ("Real", "Integer", "Boolean")
 FUNCTIONS = 44  # of FMI 2.0
+FUNCTIONS_OF_3 = 75
 COLUMNS = ["platform", "built by", "bytes", "exports", "imports", "floor", "run by",
            "values compared, all bits equal"]  # fmt: skip
 
@@ -186,6 +187,19 @@ class Drive:
         return all(columns[n].tobytes() == self.expected[n].tobytes() for n in names)
 
 
+def of_fmi3(platform, runtimes, work, extension):
+    """What is wrong with the library of FMI 3.0, which is inspected alone: its results are compared on this machine, by
+    tests/python/test_fmi3.py."""
+    library = work / "fmi3" / platform.name / f"SteeringFaultDetector.{extension}"
+    library.parent.mkdir(parents=True)
+    shutil.copy(runtimes / platform.name / f"SteeringFaultDetectorFmi3.{extension}", library)
+    exports, imports, floor = platform.facts(library)
+    listed = "; ".join(f"{k}: {len(v)}" for k, v in imports.items())
+    print(f"{platform.name}: FMI 3.0: {library.stat().st_size} bytes, {len(exports)} exports, {listed}, {floor}")
+    is_fmi = len(exports) == FUNCTIONS_OF_3 and all(e.startswith("fmi3") for e in exports)
+    return [] if is_fmi else [f"{platform.name}: the library of FMI 3.0 exports {sorted(exports)}"]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="with both FMUs, for all platforms")
@@ -233,6 +247,7 @@ def main():
         exports, listed, floors = (" / ".join(sorted(set(column))) for column in zip(*remarks, strict=True))
         rows.append([name, platform.built_by, ", ".join(sizes), exports, listed, floors, platform.run_by,
                      ", ".join(equal) or "-"])  # fmt: skip
+        failures += of_fmi3(platform, folder / "runtimes", work, extension)
     for row in [COLUMNS, ["-" * len(c) for c in COLUMNS], *rows]:
         print("|", " | ".join(row), "|")
     print(*failures, sep="\n")

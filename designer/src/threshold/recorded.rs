@@ -94,10 +94,10 @@ fn level(
     population: Population,
 ) -> Result<Recorded, RecordedError> {
     let mut largest = Largest::default();
-    let mut detector = fresh.clone();
+    let mut detector = *fresh;
     for RecordedSample { starts, y, u } in &drive.samples {
         if *starts {
-            detector = fresh.clone();
+            detector = *fresh;
         }
         detector.sample(*y, *u);
         largest.add(&detector, &configuration.evaluation, population);
