@@ -166,8 +166,16 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             "[noise.r]\nwhite_std = 1",
             &["`noise.r.white_std`", "did you mean `white_std_rad_per_s`"],
         ),
-        ("noise.v_x.white_std_m_per_s = -1", &["`noise.v_x.white_std_m_per_s` = -1.0", ">= 0"]),
-        ("noise.r.bound_rad_per_s = 0", &["`noise.r.bound_rad_per_s` = 0.0", "> 0"]),
+        (
+            "noise.v_x.white_std_m_per_s = -1",
+            &["`noise.v_x.white_std_m_per_s` = -1.0", "from 0 to 10"],
+        ),
+        ("noise.v_x.white_std_m_per_s = 100", &["`noise.v_x.white_std_m_per_s` = 100.0", "to 10"]),
+        ("noise.r.bound_rad_per_s = 0", &["`noise.r.bound_rad_per_s` = 0.0", "above 0, up to 2"]),
+        (
+            "[[disturbance]]\nname = 'w'\nkind = 'side_wind'\nbound_m_per_s2 = 1e6\nband_hz = [0, 1]",
+            &["`disturbance[0].bound_m_per_s2` = 1000000.0", "up to 100"],
+        ),
         ("noise.v_x.band_hz = [0, 1.5]", &["`noise.v_x.band_hz`", "with a bound only"]),
         (
             "[noise.r]\nbound_rad_per_s = 0.001\nband_hz = [1, 2]",
@@ -252,6 +260,10 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ("fault = []", &["`fault` = 0", "from 1 to 8"]),
         ("[[fault]]\nchannel = 'steering'\nsmallest_deg = 0", &["`fault[0].smallest_deg` = 0.0"]),
         (
+            "[[fault]]\nchannel = 'steering'\nsmallest_deg = 1e-9",
+            &["`fault[0].smallest_deg` = 1e-9", "from 0.001 to 90"],
+        ),
+        (
             "[[fault]]\nchannel = 'steering'\nband_hz = [0, 51]",
             &["`fault[0].band_hz` = [0.0, 51.0]", "50 Hz, the Nyquist frequency"],
         ),
@@ -312,7 +324,8 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             &["`evaluation.window_samples` = 40", "nothing beside `window_s`", "one of the two"],
         ),
         ("evaluation.alarm_hold_s = -1", &["`evaluation.alarm_hold_s` = -1.0", "from 0 to 3600"]),
-        ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both zero"]),
+        ("evaluation.weights = [0, 0]", &["[0.0, 0.0]", "not both 0"]),
+        ("evaluation.weights = [1e200, 1e-200]", &["1e200", "from 0.000001 to 1000000"]),
         ("evaluation.margin = 0.9", &["`evaluation.margin` = 0.9", "from 1 to 100"]),
         (
             "evaluation.calibration.search_drives = 399",
@@ -332,7 +345,7 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
         ),
         (
             "evaluation.threshold = 'constant'\nevaluation.constant = 0",
-            &["`evaluation.constant` = 0.0", "> 0"],
+            &["`evaluation.constant` = 0.0", "from 0.000000001 to 1000"],
         ),
         (
             "evaluation.constant = 0.001",
@@ -381,6 +394,7 @@ fn mistakes_are_named_by_key_value_and_allowed_range() {
             &["`uncertainty.actuator_delay_s` = 0.2", "from 0 to"],
         ),
         ("evaluation.debounce_samples = 0", &["`evaluation.debounce_samples` = 0"]),
+        ("evaluation.debounce_samples = 1000000", &["= 1000000", "from 1 to 1000"]),
         ("evaluation.calibration.speeds = 0", &["calibration.speeds` = 0"]),
         ("evaluation.calibration.manoeuvres = []", &["calibration.manoeuvres` = 0"]),
         ("evaluation.calibration.manoeuvres = ['jump']", &["manoeuvres[0]", "jump", "weave"]),

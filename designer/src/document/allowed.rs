@@ -7,7 +7,8 @@ use std::fmt;
 pub struct Allowed {
     min: f64,
     max: f64,
-    with_ends: bool,
+    with_min: bool,
+    with_max: bool,
 }
 
 impl Allowed {
@@ -20,29 +21,36 @@ impl Allowed {
 
     /// From `min` to `max`, ends included.
     pub const fn between(min: f64, max: f64) -> Self {
-        Self { min, max, with_ends: true }
+        Self { min, max, with_min: true, with_max: true }
+    }
+
+    /// Above `min`, up to `max`.
+    pub const fn above_up_to(min: f64, max: f64) -> Self {
+        Self { min, max, with_min: false, with_max: true }
     }
 
     /// From `min` to `max`, ends excluded.
     pub const fn inside(min: f64, max: f64) -> Self {
-        Self { min, max, with_ends: false }
+        Self { min, max, with_min: false, with_max: false }
     }
 
     /// Whether `value` is finite and in the range.
     pub fn holds(self, value: f64) -> bool {
-        let Self { min, max, with_ends } = self;
-        let inside = min < value && value < max;
-        value.is_finite() && (inside || with_ends && (value == min || value == max))
+        let Self { min, max, with_min, with_max } = self;
+        let above = min < value || with_min && value == min;
+        let below = value < max || with_max && value == max;
+        value.is_finite() && above && below
     }
 }
 
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { min, max, with_ends } = *self;
+        let Self { min, max, with_min, with_max } = *self;
         match (min.is_finite(), max.is_finite()) {
-            (true, true) if with_ends => write!(f, "from {min} to {max}"),
+            (true, true) if with_min => write!(f, "from {min} to {max}"),
+            (true, true) if with_max => write!(f, "above {min}, up to {max}"),
             (true, true) => write!(f, "between {min} and {max}"),
-            (true, false) if with_ends => write!(f, "a finite number >= {min}"),
+            (true, false) if with_min => write!(f, "a finite number >= {min}"),
             (true, false) => write!(f, "a finite number > {min}"),
             _ => write!(f, "a finite number"),
         }

@@ -138,14 +138,14 @@ impl Disturbance {
     /// Finds what is not possible of the disturbance called `at`; of its band where the Nyquist
     /// frequency is known.
     pub(super) fn check(&self, at: &str, nyquist_hz: Option<f64>, mistakes: &mut Mistakes) {
-        let (key, bound) = match self {
+        let (key, bound, most) = match self {
             Self::SideWind { bound_m_per_s2, acting_ahead_m, .. } => {
                 let key = format!("{at}.acting_ahead_m");
                 mistakes.number(&key, *acting_ahead_m, Allowed::FINITE);
-                ("bound_m_per_s2", *bound_m_per_s2)
+                ("bound_m_per_s2", *bound_m_per_s2, 100.0)
             }
-            Self::Bank { bound_deg, .. } => ("bound_deg", *bound_deg),
-            Self::YawMoment { bound_n_m, .. } => ("bound_n_m", *bound_n_m),
+            Self::Bank { bound_deg, .. } => ("bound_deg", *bound_deg, 45.0),
+            Self::YawMoment { bound_n_m, .. } => ("bound_n_m", *bound_n_m, 1e6),
             Self::Direction { bound, direction, .. } => {
                 let proper =
                     direction.iter().all(|x| x.is_finite()) && direction.iter().any(|&x| x != 0.0);
@@ -153,10 +153,10 @@ impl Disturbance {
                     let allowed = "finite numbers, not all zero";
                     Mistake::value(format!("{at}.direction"), direction, allowed)
                 });
-                ("bound", *bound)
+                ("bound", *bound, 1e6)
             }
         };
-        mistakes.number(&format!("{at}.{key}"), bound, Allowed::POSITIVE);
+        mistakes.number(&format!("{at}.{key}"), bound, Allowed::above_up_to(0.0, most));
         if let Some(nyquist_hz) = nyquist_hz {
             check_band(at, self.band_hz(), nyquist_hz, mistakes);
         }

@@ -9,6 +9,13 @@ use crate::document::{Allowed, Mistake, Mistakes};
 /// Window of the RMS where none is stated, s.
 const DEFAULT_WINDOW_S: f64 = 0.4;
 
+/// Weights other than 0.
+const WEIGHTS: [f64; 2] = [1e-6, 1e6];
+/// Most samples of a debounce.
+const MOST_DEBOUNCE: u32 = 1000;
+/// Thresholds that are neither always nor never reached.
+const CONSTANT: Allowed = Allowed::between(1e-9, 1e3);
+
 fn in_samples(window_s: f64, period_s: f64) -> usize {
     (window_s / period_s).round() as usize
 }
@@ -95,9 +102,10 @@ impl Evaluation {
     pub(super) fn check(&self, mistakes: &mut Mistakes) {
         self.check_window(mistakes);
         let weights = self.weights;
-        let proper = weights.iter().all(|&w| w >= 0.0 && w.is_finite()) && weights != [0.0, 0.0];
-        mistakes.unless(proper, || {
-            let allowed = "finite, not negative and not both zero";
+        let [least, most] = WEIGHTS;
+        let proper = weights.iter().all(|&w| w == 0.0 || (least..=most).contains(&w));
+        mistakes.unless(proper && weights != [0.0, 0.0], || {
+            let allowed = format!("each 0 or from {least} to {most}, and not both 0");
             Mistake::value("evaluation.weights", weights, allowed)
         });
         mistakes.number("evaluation.margin", self.margin, Allowed::between(1.0, 100.0));
@@ -105,8 +113,10 @@ impl Evaluation {
             self.check_constant(mistakes);
         }
         let debounce = self.debounce_samples;
-        mistakes.unless(debounce >= 1, || {
-            Mistake::value("evaluation.debounce_samples", debounce, "1 or more")
+        mistakes.unless((1..=MOST_DEBOUNCE).contains(&debounce), || {
+            let allowed = format!("from 1 to {MOST_DEBOUNCE}");
+            Mistake::value("evaluation.debounce_samples", debounce, allowed)
+                .help("an alarm that waits longer comes too late for any use")
         });
         let hold_s = Allowed::between(0.0, 3600.0);
         mistakes.number("evaluation.alarm_hold_s", self.alarm_hold_s, hold_s);
@@ -180,7 +190,7 @@ impl Evaluation {
         let (threshold, key) = ("evaluation.threshold", "evaluation.constant");
         match (self.threshold, self.constant) {
             (ThresholdKind::Constant, Some(constant)) => {
-                mistakes.number(key, constant, Allowed::POSITIVE);
+                mistakes.number(key, constant, CONSTANT);
             }
             (ThresholdKind::Constant, None) => mistakes.add(
                 Mistake::missing(key)

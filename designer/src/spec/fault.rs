@@ -34,6 +34,10 @@ pub enum Fault {
 
 /// No road wheel turns further.
 const LARGEST_DEG: f64 = 90.0;
+/// Smallest angle of interest, and torques, N m.
+const LEAST_DEG: f64 = 1e-3;
+const LEAST_N_M: f64 = 0.01;
+const LARGEST_N_M: f64 = 1e6;
 
 fn half_a_degree() -> f64 {
     0.5
@@ -87,11 +91,15 @@ impl Fault {
     /// Finds what is not possible of the fault called `at`; of its band where the Nyquist frequency
     /// is known.
     pub(super) fn check(&self, at: &str, nyquist_hz: Option<f64>, mistakes: &mut Mistakes) {
-        let (key, smallest) = match self {
-            Self::Steering { smallest_deg, .. } => ("smallest_deg", *smallest_deg),
-            Self::Torque { smallest_n_m, .. } => ("smallest_n_m", *smallest_n_m),
+        let (key, smallest, allowed) = match self {
+            Self::Steering { smallest_deg, .. } => {
+                ("smallest_deg", *smallest_deg, Allowed::between(LEAST_DEG, LARGEST_DEG))
+            }
+            Self::Torque { smallest_n_m, .. } => {
+                ("smallest_n_m", *smallest_n_m, Allowed::between(LEAST_N_M, LARGEST_N_M))
+            }
         };
-        mistakes.number(&format!("{at}.{key}"), smallest, Allowed::POSITIVE);
+        mistakes.number(&format!("{at}.{key}"), smallest, allowed);
         if let Self::Steering { smallest_deg, largest_deg, .. } = self
             && mistakes.sound(&format!("{at}.smallest_deg"))
         {

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::band::check_band;
 use crate::document::{Allowed, Mistake, Mistakes};
 
+/// Largest standard deviations and bounds of [v_x, r], m/s and rad/s.
+const LARGEST: [f64; 2] = [10.0, 2.0];
+
 /// `[noise]`: sensor noise. Bounds count like those of disturbances, in the norm of their band;
 /// standard deviations of white noise give the RMS of the residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,10 +74,12 @@ impl Noise {
     /// Finds what is not possible by itself; of bands where the Nyquist frequency is known.
     pub(super) fn check(&self, nyquist_hz: Option<f64>, mistakes: &mut Mistakes) {
         for signal in self.signals() {
-            let NoiseOfSignal { at, unit, white_std, bound, band_hz } = signal;
-            mistakes.number(&format!("{at}.white_std_{unit}"), white_std, Allowed::NOT_NEGATIVE);
+            let NoiseOfSignal { at, unit, most, white_std, bound, band_hz } = signal;
+            let allowed = Allowed::between(0.0, most);
+            mistakes.number(&format!("{at}.white_std_{unit}"), white_std, allowed);
             if let Some(bound) = bound {
-                mistakes.number(&format!("{at}.bound_{unit}"), bound, Allowed::POSITIVE);
+                let allowed = Allowed::above_up_to(0.0, most);
+                mistakes.number(&format!("{at}.bound_{unit}"), bound, allowed);
             }
             if let Some(band_hz) = band_hz {
                 if let Some(nyquist_hz) = nyquist_hz {
@@ -106,10 +111,11 @@ impl Noise {
     }
 
     fn signals(&self) -> [NoiseOfSignal; 2] {
-        let names = [("noise.v_x", "m_per_s"), ("noise.r", "rad_per_s")];
+        let names = [("noise.v_x", "m_per_s", LARGEST[0]), ("noise.r", "rad_per_s", LARGEST[1])];
         std::array::from_fn(|signal| NoiseOfSignal {
             at: names[signal].0,
             unit: names[signal].1,
+            most: names[signal].2,
             white_std: self.white_std()[signal],
             bound: self.bounds()[signal],
             band_hz: self.bands_hz()[signal],
@@ -121,6 +127,8 @@ impl Noise {
 struct NoiseOfSignal {
     at: &'static str,
     unit: &'static str,
+    /// Largest that any sensor has.
+    most: f64,
     white_std: f64,
     bound: Option<f64>,
     band_hz: Option<[f64; 2]>,
