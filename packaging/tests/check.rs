@@ -457,3 +457,32 @@ proptest! {
         survives(&fmu);
     }
 }
+
+#[test]
+fn of_many_findings_the_first_are_listed_and_quoted_legibly() {
+    let name = "a".repeat(5000) + "&#9;";
+    let variables: String = (0..1000)
+        .map(|k| {
+            format!(
+                "<ScalarVariable name=\"{name}{k}\" valueReference=\"{k}\" causality=\"local\">\
+                 <Real unit=\"furlong\"/></ScalarVariable>"
+            )
+        })
+        .collect();
+    // Half a million display units, and a variable that names the last of them.
+    let units: String = (0..500_000).map(|k| format!("<DisplayUnit name=\"{k}\"/>")).collect();
+    let fmu = changed(|entries| {
+        let (_, description) = &mut entries[0];
+        let text = String::from_utf8(description.clone()).unwrap();
+        let text = text.replacen("</Unit>", &format!("{units}</Unit>"), 1);
+        let text = text.replacen("</ModelVariables>", &format!("{variables}</ModelVariables>"), 1);
+        *description = text.into_bytes();
+    });
+    let findings = findings(&fmu);
+    let of_units: Vec<_> = findings.iter().filter(|f| f.code == "unknown-unit").collect();
+    assert_eq!(of_units.len(), 101);
+    assert_eq!(of_units[100].message, "and 900 more");
+    let longest = findings.iter().map(|finding| finding.message.chars().count()).max();
+    assert!(longest.unwrap() < 500, "{longest:?}");
+    assert!(findings.iter().all(|f| !f.message.contains(char::is_control)));
+}

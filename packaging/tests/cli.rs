@@ -161,9 +161,10 @@ fn bad_specifications_name_the_key_and_leave_no_file() {
 #[test]
 fn an_infeasible_specification_is_a_no() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("spec.toml"), "[design]\nmethod = \"paper\"\ngamma = 1e-9\n")
-        .unwrap();
-    failure(folder.path(), &["design", "spec.toml"], 1, &["infeasible", "(31)", "spec.toml"]);
+    let text = "[design]\nmethod = \"paper\"\ngamma = 1e-9\ndecay = 0.97\n";
+    fs::write(folder.path().join("spec.toml"), text).unwrap();
+    let parts = ["infeasible", "(31)", "spec.toml", "design.decay = 0.97", "3.0 per second"];
+    failure(folder.path(), &["design", "spec.toml"], 1, &parts);
     assert_eq!(entries(&folder), ["spec.toml"]);
 }
 

@@ -7,6 +7,6 @@ mod render;
 mod tree;
 
 pub use header::{Header, Implementation, InterfaceType, header};
-pub use lint::{Finding, Level, lint, lint_terminals};
+pub use lint::{Finding, Findings, Level, lint, lint_terminals};
 pub use read::{CoSimulation, Description, Experiment, ReadError, ScalarVariable, Start, read};
 pub use render::{Rendered, describe, digest, fmi3, render};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use steerguard_model_description::xml::{Finding, Level};
+use steerguard_model_description::xml::{self, Finding, Level};
 
 /// Path of the description.
 pub const DESCRIPTION: &str = "modelDescription.xml";
@@ -21,13 +21,13 @@ pub struct Findings {
     /// What findings call the file.
     pub file: String,
     /// In the order in which they were found.
-    pub list: Vec<Finding>,
+    pub list: xml::Findings,
 }
 
 impl Findings {
     pub fn add(&mut self, level: Level, code: &'static str, message: String, at: &str, help: &str) {
         let location = if at.is_empty() { self.file.clone() } else { at.to_owned() };
-        self.list.push(Finding { level, code, message, location, help: help.to_owned() });
+        self.list.add(Finding { level, code, message, location, help: help.to_owned() });
     }
 
     pub fn error(&mut self, code: &'static str, message: impl Into<String>, at: &str, help: &str) {

@@ -25,12 +25,12 @@ use findings::{Contents, DESCRIPTION, Findings};
 /// # Errors
 /// Only what reading the file says: what is wrong with its bytes is a finding.
 pub fn check(fmu: impl Read + Seek, name: &str) -> std::io::Result<Vec<Finding>> {
-    let mut findings = Findings { file: name.to_owned(), list: Vec::new() };
+    let mut findings = Findings { file: name.to_owned(), list: xml::Findings::default() };
     if let Some(contents) = archive::read(fmu, &mut findings)? {
         description(&contents, &mut findings);
         surroundings::check(&contents, &mut findings);
     }
-    Ok(findings.list)
+    Ok(findings.list.into_list())
 }
 
 /// Description, and the binaries as far as it names them.

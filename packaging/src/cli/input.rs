@@ -143,8 +143,23 @@ pub(super) fn make(spec: &Spec, folder: &Path, progress: &Progress) -> Result<De
     let drives = recorded(spec, folder, progress)?;
     design_with_drives(spec, &drives, &mut |step| progress.say(step)).map_err(|error| match error {
         DesignError::Spec(error) => Failure::bad(error),
+        infeasible @ DesignError::Infeasible(_) => match decay_in_words(spec) {
+            Some(words) => Failure::no(infeasible).help(words),
+            None => Failure::no(infeasible),
+        },
         other => Failure::no(other),
     })
+}
+
+/// What a stated decay a sample is in time, which the sampling period decides.
+fn decay_in_words(spec: &Spec) -> Option<String> {
+    let decay = spec.design.decay?;
+    let per_s = -decay.ln() / spec.sampling.period_s;
+    Some(format!(
+        "design.decay = {decay} a sample of {} s is a rate of {per_s:.1} per second; leave it out, and a \
+         rate is searched from 1 to 5 per second, or state one as design.decay_per_s",
+        spec.sampling.period_s
+    ))
 }
 
 /// Reads the drives of `evaluation.calibration.drives`, and says on the standard error output how.

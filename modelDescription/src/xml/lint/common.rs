@@ -3,12 +3,12 @@
 use std::collections::{HashMap, HashSet};
 
 use super::super::tree::Element;
-use super::finding::{Finding, Level};
+use super::finding::{Finding, Findings, Level};
 
 /// The findings so far, about one file.
 pub(super) struct Linter {
     pub(super) file: &'static str,
-    pub(super) findings: Vec<Finding>,
+    pub(super) findings: Findings,
 }
 
 /// Names of attributes that differ by version.
@@ -34,7 +34,7 @@ impl Linter {
     ) {
         let location = format!("{}:{}", self.file, at.line);
         let (message, help) = (message.into(), help.into());
-        self.findings.push(Finding { level, code, message, location, help });
+        self.findings.add(Finding { level, code, message, location, help });
     }
 
     pub(super) fn error(
@@ -116,7 +116,7 @@ impl Linter {
     }
 
     /// Display units by unit.
-    pub(super) fn units<'e>(&mut self, root: &'e Element) -> HashMap<&'e str, Vec<&'e str>> {
+    pub(super) fn units<'e>(&mut self, root: &'e Element) -> HashMap<&'e str, HashSet<&'e str>> {
         let units = root.list("UnitDefinitions");
         self.distinct(units, "unit");
         let name = |element: &'e Element| element.attribute("name").unwrap_or_default();
@@ -269,7 +269,12 @@ impl Linter {
         }
     }
 
-    pub(super) fn unit(&mut self, kind: &Element, name: &str, units: &HashMap<&str, Vec<&str>>) {
+    pub(super) fn unit(
+        &mut self,
+        kind: &Element,
+        name: &str,
+        units: &HashMap<&str, HashSet<&str>>,
+    ) {
         let Some(unit) = kind.attribute("unit") else {
             if kind.attribute("displayUnit").is_some() {
                 let message = format!("{name} has a displayUnit but no unit");
@@ -283,7 +288,7 @@ impl Linter {
             return;
         };
         if let Some(display) = kind.attribute("displayUnit")
-            && !display_units.contains(&display)
+            && !display_units.contains(display)
         {
             let message = format!("displayUnit \"{display}\" of {name} is not defined");
             self.error(kind, "unknown-unit", message, format!("define it in unit \"{unit}\""));

@@ -52,7 +52,7 @@ impl Linter {
     fn variable(
         &mut self,
         variable: &Element,
-        units: &HashMap<&str, Vec<&str>>,
+        units: &HashMap<&str, HashSet<&str>>,
         types: &HashMap<&str, Option<HashSet<i64>>>,
     ) {
         let name = format!("\"{}\"", variable.attribute("name").unwrap_or_default());

@@ -7,7 +7,7 @@ mod fmi2;
 mod fmi3;
 mod terminals;
 
-pub use finding::{Finding, Level};
+pub use finding::{Finding, Findings, Level};
 
 use super::tree::{Element, Malformed, parse};
 use common::Linter;
@@ -33,7 +33,7 @@ fn examine(
     root: Result<Element, Malformed>,
     rules: impl FnOnce(&mut Linter, &Element),
 ) -> Vec<Finding> {
-    let mut linter = Linter { file, findings: Vec::new() };
+    let mut linter = Linter { file, findings: Findings::default() };
     match root {
         Ok(root) => rules(&mut linter, &root),
         Err(malformed) => {
@@ -41,5 +41,5 @@ fn examine(
             linter.error(&root, "malformed-xml", malformed.reason, "write well-formed XML");
         }
     }
-    linter.findings
+    linter.findings.into_list()
 }
