@@ -10,6 +10,7 @@ use std::time::Duration;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
+use sha2::{Digest as _, Sha256};
 use tempfile::TempDir;
 
 #[path = "common/command.rs"]
@@ -314,10 +315,22 @@ fn damaged_and_foreign_blocks_are_refused() {
     let block = folder.path().join("c/blocks/000002.json");
     let good = fs::read_to_string(&block).unwrap();
     let other = fs::read_to_string(folder.path().join("c/blocks/000003.json")).unwrap();
+    success(folder.path(), &campaign(&["-o", "d", "--seed", "2", "--shard", "3/12"]));
+    let foreign = fs::read_to_string(folder.path().join("d/blocks/000002.json")).unwrap();
+    let forged = |from: &str, to: &str| {
+        let (bytes, _) = good.split_once(",\"sha256\"").unwrap();
+        let bytes = bytes.replacen(from, to, 1);
+        assert!(!good.starts_with(&bytes), "{from}");
+        let digest: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        format!("{bytes},\"sha256\":\"{digest}\"}}\n")
+    };
+    let monitored = "\"monitored_s\":";
     for (text, part) in [
-        (good[..good.len() / 2].to_owned(), "EOF"),
+        (good[..good.len() / 2].to_owned(), "no digest at its end"),
+        (good.replacen(monitored, "\"monitored_s\":1", 1), "its digest is not that of its rows"),
+        (forged(monitored, "\"monitored_s\":99"), "monitored for 99"),
         (other, "its drives are not those of this block"),
-        (good.replacen("\"campaign\":\"", "\"campaign\":\"0", 1), "belongs to another campaign"),
+        (foreign, "belongs to another campaign"),
     ] {
         fs::write(&block, text).unwrap();
         let parts = ["000002.json", part, "delete the file"];

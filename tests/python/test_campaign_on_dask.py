@@ -1,5 +1,6 @@
 """`steerguard-campaign`: the bytes of one machine, whoever is killed; clear refusals."""
 
+import hashlib
 import importlib
 import json
 import os
@@ -12,6 +13,7 @@ import time
 import tomllib
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -291,3 +293,28 @@ def test_the_installed_command_is_this_one():
         assert callable(getattr(importlib.import_module(module), function))
     finally:
         sys.path.remove(str(PACKAGE))
+
+
+def test_what_workers_send_is_looked_at_before_it_is_stored(tmp_path):
+    sys.path.insert(0, str(PACKAGE))
+    try:
+        command = importlib.import_module("steerguard_campaign.command")
+        failure = importlib.import_module("steerguard_campaign.failure")
+    finally:
+        sys.path.remove(str(PACKAGE))
+    here = SimpleNamespace(output=tmp_path / "c")
+    (here.output / "blocks").mkdir(parents=True)
+    rows = b'{"campaign":"0","rows":[]'
+    good = rows + b',"sha256":"' + hashlib.sha256(rows).hexdigest().encode() + b'"}\n'
+    command.Campaign.store(here, {"000001.json": good})
+    for name, data in [
+        ("../000002.json", good),
+        ("/etc/000002.json", good),
+        ("000002.json\n", good),
+        ("000002.json", good.replace(b'"rows"', b'"Rows"')),
+        ("000002.json", rows + b"}"),
+        ("000002.json", b""),
+    ]:
+        with pytest.raises(failure.Failure, match="no block"):
+            command.Campaign.store(here, {name: data})
+    assert [path.name for path in tmp_path.rglob("*.json")] == ["000001.json"]

@@ -1,13 +1,17 @@
 """The `steerguard` command on this machine, and the folder of the campaign."""
 
+import hashlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
 from pathlib import Path
 
 from .failure import Failure, Refusal
+
+OF_WORKERS = "workers need the `steerguard` command of this build, and memory and disks that are sound"
 
 
 class Campaign:
@@ -56,11 +60,17 @@ class Campaign:
         return (self.output / "campaign.json").read_bytes()
 
     def store(self, blocks):
-        """Writes blocks, bytes by file name: each is there whole or not at all."""
+        """Writes blocks, bytes by file name: each is there whole or not at all.
+
+        They come from other machines, so names and digests are looked at first.
+        """
         folder = self.output / "blocks"
+        for name, data in blocks.items():
+            if not re.fullmatch(r"\d{6,}\.json", name) or not is_whole(data):
+                raise Failure(f"a worker sent {name!r}, which is no block", OF_WORKERS)
         try:
             for name, data in blocks.items():
-                temporary = folder / f".steerguard-{os.getpid()}-{name}"
+                temporary = folder / f".steerguard.{os.getpid()}-{name}"
                 with open(temporary, "wb") as file:
                     file.write(data)
                     file.flush()
@@ -105,3 +115,9 @@ def drawn(refusal):
         for kind in ("notes", "help"):
             lines += [f"{kind.rstrip('s')}: {text}" for text in diagnostic.get(kind) or []]
     return "\n".join(lines)
+
+
+def is_whole(block):
+    """Whether the bytes of a block, as the command writes it, end with their own digest."""
+    rows, mark, end = block.rstrip().rpartition(b',"sha256":"')
+    return bool(mark) and end == hashlib.sha256(rows).hexdigest().encode() + b'"}'

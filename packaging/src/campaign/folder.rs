@@ -3,10 +3,10 @@
 //! # Conventions
 //! - `campaign.json` says everything that the results depend on. Whoever works in the folder must mean
 //!   the same campaign.
-//! - `blocks/000012.json` holds the rows of block 12, drives 192 to 207, and the campaign's digest. A
-//!   block is there whole or not at all, whatever happens to the process or the machine; so a campaign
-//!   that was cut short, or whose blocks come from several machines, goes on where blocks are missing.
-//! - A killed process may leave `.steerguard-*` files behind: nobody reads them.
+//! - `blocks/000012.json` holds the rows of block 12, drives 192 to 207, and the campaign's digest; `sha256`, its last
+//!   key, is that of all bytes before its comma. A block is there whole or not at all, whatever happens to the process or
+//!   the machine; so a campaign that was cut short, or whose blocks come from several machines, goes on where blocks are
+//!   missing.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -34,7 +34,10 @@ pub struct Folder {
     digest: String,
 }
 
-/// A file of `blocks/`.
+/// What stands between the bytes of a block and their digest.
+const DIGEST: &str = ",\"sha256\":\"";
+
+/// A file of `blocks/`, its digest apart.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BlockFile {
@@ -87,7 +90,10 @@ impl Folder {
     pub fn write_block(&self, block: u64, rows: Vec<Row>) -> Result<(), CampaignError> {
         let path = self.block_path(block);
         let file = BlockFile { campaign: self.digest.clone(), rows };
-        Ok(output::write(&path, serde_json::to_string(&file)?.as_bytes())?)
+        let text = serde_json::to_string(&file)?;
+        let bytes = text.strip_suffix('}').unwrap_or(&text);
+        let text = format!("{bytes}{DIGEST}{}\"}}\n", hex(&Sha256::digest(bytes)));
+        Ok(output::write(&path, text.as_bytes())?)
     }
 
     /// The rows of a block; `None` if it is not done.
@@ -101,13 +107,26 @@ impl Folder {
             other => other.map_err(CampaignError::read(&path))?,
         };
         let bad = |reason: String| CampaignError::Block { path: path.clone(), reason };
+        let parts = text.trim_end().strip_suffix("\"}").and_then(|text| text.rsplit_once(DIGEST));
+        let Some((bytes, digest)) = parts else {
+            return Err(bad("it has no digest at its end: damaged, or of another version".into()));
+        };
+        if hex(&Sha256::digest(bytes)) != digest {
+            return Err(bad("its digest is not that of its rows: edited, or damaged".into()));
+        }
         let file: BlockFile =
-            serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
+            serde_json::from_str(&format!("{bytes}}}")).map_err(|error| bad(error.to_string()))?;
         if file.campaign != self.digest {
             return Err(bad("it belongs to another campaign".into()));
         }
         if !file.rows.iter().map(|row| row.drive.index).eq(self.drives_of(block)) {
             return Err(bad("its drives are not those of this block".into()));
+        }
+        if let Some(Row { drive, outcome }) = file.rows.iter().find(|row| !is_possible(row)) {
+            return Err(bad(format!(
+                "drive {}: monitored for {} s, {} s of them before a fault, in {} s",
+                drive.index, outcome.monitored_s, outcome.monitored_fault_free_s, drive.duration_s
+            )));
         }
         Ok(Some(file.rows))
     }
@@ -161,6 +180,13 @@ impl Folder {
     fn block_path(&self, block: u64) -> PathBuf {
         self.path.join("blocks").join(format!("{block:06}.json"))
     }
+}
+
+/// Whether times fit into the drive, whose last sample is at its end.
+fn is_possible(Row { drive, outcome }: &Row) -> bool {
+    let most_s = 1.1 * drive.duration_s;
+    (0.0..=most_s).contains(&outcome.monitored_s)
+        && (0.0..=outcome.monitored_s).contains(&outcome.monitored_fault_free_s)
 }
 
 /// Lower-case hexadecimal digits of `bytes`.
