@@ -20,11 +20,18 @@ const FOLDER: &str = "steerguard-fmu-";
 const LOCK: &str = ".lock";
 const UNLOCKED: &str = ".lock-new";
 
+/// The folders that were swept: once is enough, and a campaign writes thousands of blocks into one.
+static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
 /// What there is at the moment.
 static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+fn locked(paths: &'static Mutex<BTreeSet<PathBuf>>) -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    paths.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+    locked(&LIVE)
 }
 
 /// Removes all that there is at the moment: the command ends.
@@ -129,9 +136,12 @@ impl TemporaryFolder {
     }
 }
 
-/// Removes what is left over in `folder` under names that begin with `prefix` and whose lock, opened by `lock`, nobody
-/// holds.
+/// Removes, the first time that it is asked to, what is left over in `folder` under names that begin with `prefix` and
+/// whose lock, opened by `lock`, nobody holds.
 fn sweep(folder: &Path, prefix: &str, lock: impl Fn(&Path) -> Option<File>) {
+    if !locked(&SWEPT).insert(folder.join(prefix)) {
+        return;
+    }
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if !entry.file_name().to_string_lossy().starts_with(prefix) {
             continue;
