@@ -8,9 +8,9 @@ use sha2::{Digest, Sha256};
 use steerguard_designer::Spec;
 use steerguard_designer::threshold::recorded::{RecordedDrive, RecordedSample};
 use steerguard_detector::{Input, Measurement};
-use steerguard_drives::{Cause, Columns, DriveError, Reader, Resampler, Spacing, Wanted};
+use steerguard_drives::{Cause, Columns, DriveError, Reader, Resampler, Spacing};
 
-use super::run::{columns, warnings};
+use super::run::{WANTED, columns, warnings};
 use super::torque::Torques;
 use crate::campaign::folder::hex;
 
@@ -36,8 +36,7 @@ pub fn read(
     spec: &Spec,
     most: usize,
 ) -> Result<Option<Recording>, DriveError> {
-    let wanted = Wanted { lateral_acceleration: false, drive_torque: true };
-    let mut reader = Reader::open(path, columns_told, wanted)?;
+    let mut reader = Reader::open(path, columns_told, WANTED)?;
     let layout = reader.layout();
     let period_s = spec.sampling.period_s;
     let spacing = Spacing::of_period(period_s);

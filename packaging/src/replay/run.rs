@@ -20,6 +20,9 @@ use crate::campaign::outcome::{Observation, Verdict};
 use crate::drive::exchange::Inputs;
 use crate::output;
 
+/// What the detector takes of a drive beside what every drive has.
+pub(super) const WANTED: Wanted = Wanted { lateral_acceleration: false, drive_torque: true };
+
 /// A drive whose columns are chosen.
 pub struct OpenDrive {
     reader: Reader,
@@ -33,8 +36,7 @@ impl OpenDrive {
     /// # Errors
     /// [`DriveError`].
     pub fn open(path: &Path, columns: &Columns, name: String) -> Result<Self, DriveError> {
-        let wanted = Wanted { lateral_acceleration: false, drive_torque: true };
-        Ok(Self { reader: Reader::open(path, columns, wanted)?, name })
+        Ok(Self { reader: Reader::open(path, columns, WANTED)?, name })
     }
 }
 
