@@ -36,6 +36,7 @@ pub use tyre::Tyres;
 pub use vehicle::TrueVehicle;
 pub use wind::{CALM_S, GUST_S, Gusts, Wind};
 
+use integration::Dynamics;
 pub use steerguard_detector::GRAVITY_M_PER_S2;
 use steerguard_detector::{StateVector, VehicleState};
 
@@ -96,9 +97,23 @@ impl State {
         let bank_m_per_s2 = bank_m_per_s2(world.bank_rad);
         let [p_x, p_y, p_r] = push;
         let push = [p_x, p_y + bank_m_per_s2, p_r];
-        let derivative = |x: StateVector, angle: f64| {
-            world.vehicle.derivative(x.into(), drive_torque_n_m, angle + fault_rad, push)
-        };
-        self.motion = integration::rk4(derivative, self.motion.vector(), angles, step_s).into();
+        let held = Held { vehicle: &world.vehicle, drive_torque_n_m, fault_rad, push };
+        self.motion = integration::rk4(&held, self.motion.vector(), angles, step_s).into();
+    }
+}
+
+/// A vehicle under what is constant in a step; the steering's angle is its input.
+struct Held<'a> {
+    vehicle: &'a TrueVehicle,
+    drive_torque_n_m: f64,
+    fault_rad: f64,
+    push: StateVector,
+}
+
+impl Dynamics<3> for Held<'_> {
+    #[inline(always)]
+    fn derivative(&self, x: StateVector, angle_rad: f64) -> StateVector {
+        let Self { vehicle, drive_torque_n_m, fault_rad, push } = *self;
+        vehicle.derivative(x.into(), drive_torque_n_m, angle_rad + fault_rad, push)
     }
 }
