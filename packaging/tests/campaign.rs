@@ -18,15 +18,21 @@ mod command;
 
 use command::{failure, made_by_command, success};
 
+#[path = "../../designer/tests/common/designed.rs"]
+mod designed;
+
+use designed::designed;
+use steerguard_designer::Spec;
+
 /// Drives of the campaign that is run in several ways, and its blocks.
 const DRIVES: u64 = 190;
 const BLOCKS: usize = 12;
 
 /// A folder with the default design and `whole/`, the results of one uninterrupted run.
 fn reference() -> PathBuf {
-    made_by_command("", |folder| {
-        fs::write(folder.join("spec.toml"), "").unwrap();
-        success(folder, &["design", "spec.toml"]);
+    made_by_command("a campaign of the default design", |folder| {
+        let design = designed(&Spec::default()).unwrap();
+        fs::write(folder.join("design.json"), design.to_json().unwrap()).unwrap();
         success(folder, &campaign(&["--jobs", "1", "-o", "whole"]));
     })
 }

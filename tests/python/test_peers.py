@@ -313,7 +313,8 @@ def test_a_filter_that_knows_no_actuator_is_not_given_a_command(steerguard, fixt
 
 def test_designs_with_different_drives_are_refused(steerguard, fixtures, tmp_path):
     other = tmp_path / "other.toml"
-    other.write_text("[evaluation.calibration]\nsteering_rate_rad_per_s = 0.2\n")
+    other.write_text('[design]\nmethod = "paper"\n[evaluation.calibration]\nsteering_rate_rad_per_s = 0.2\n'
+                     "speeds = 2\nsearch_drives = 0\n")  # fmt: skip
     paper = tmp_path / "paper.json"
     bench = Bench(steerguard, fixtures / "design.json", paper)
     bench.make(other, paper)

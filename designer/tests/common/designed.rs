@@ -10,12 +10,12 @@ use steerguard_test_support::once::made_once;
 
 /// The design of `spec`.
 pub fn designed(spec: &Spec) -> Result<Design, DesignError> {
-    let folder =
-        made_once(&toml::to_string(spec).unwrap(), &[], |folder| -> Result<(), DesignError> {
-            let text = design(spec, &mut |_| {})?.to_json().unwrap();
-            fs::write(folder.join("design.json"), text).unwrap();
-            Ok(())
-        })?;
+    let key = format!("the design alone of {}", toml::to_string(spec).unwrap());
+    let folder = made_once(&key, &[], |folder| -> Result<(), DesignError> {
+        let text = design(spec, &mut |_| {})?.to_json().unwrap();
+        fs::write(folder.join("design.json"), text).unwrap();
+        Ok(())
+    })?;
     Ok(Design::from_json(&fs::read_to_string(folder.join("design.json")).unwrap()).unwrap())
 }
 

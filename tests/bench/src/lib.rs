@@ -21,6 +21,10 @@ use steerguard_fmu::BakedDesign;
 use steerguard_model_description::detector::DetectorVariable as V;
 use steerguard_model_description::{VariableSet, names};
 
+#[cfg(test)]
+#[path = "../../../designer/tests/common/designed.rs"]
+mod designed;
+
 /// Why there is nothing to measure.
 pub type Error = Box<dyn std::error::Error>;
 
@@ -318,6 +322,8 @@ impl CConfiguration {
 mod tests {
     use super::*;
 
+    use crate::designed::designed;
+
     /// `design` with all that plain C knows: sensors with zeros and errors, tyres that let reference
     /// motions be drawn to the measured yaw rate.
     fn with_everything(mut design: BakedDesign) -> BakedDesign {
@@ -336,7 +342,9 @@ mod tests {
 
     #[test]
     fn both_give_the_same_outputs_bit_for_bit() {
-        let [paper, default] = designs().unwrap();
+        let of = |spec: &Spec| baked(&designed(spec).unwrap()).unwrap();
+        let paper = ("paper", of(&Spec::paper()));
+        let default = ("default", of(&Spec::default()));
         let everything = ("everything", with_everything(default.1));
         for (name, design) in [paper, default, everything] {
             let configuration = &design.configuration;

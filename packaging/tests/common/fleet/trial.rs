@@ -133,7 +133,8 @@ impl Trials {
 
     fn one(&self, spec: Spec) -> Result<Trial, Box<dyn Error>> {
         let text = toml::to_string(&spec)?;
-        let folder = made_by(&text, &[&self.steerguard], |folder| {
+        let key = format!("design, FMU and verdicts of {text}");
+        let folder = made_by(&key, &[&self.steerguard], |folder| {
             fs::write(folder.join("spec.toml"), &text)?;
             let start = Instant::now();
             let designed = self.run(folder, &["design", "spec.toml"])?;
