@@ -1,6 +1,7 @@
 """The comparison with peers (tests/peers): filterpy's filter, the campaign's judgement."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -313,8 +314,10 @@ def test_a_filter_that_knows_no_actuator_is_not_given_a_command(steerguard, fixt
 
 def test_designs_with_different_drives_are_refused(steerguard, fixtures, tmp_path):
     other = tmp_path / "other.toml"
-    other.write_text('[design]\nmethod = "paper"\n[evaluation.calibration]\nsteering_rate_rad_per_s = 0.2\n'
-                     "speeds = 2\nsearch_drives = 0\n")  # fmt: skip
+    stated = (ROOT / "examples" / "paper.toml").read_text(encoding="utf-8")
+    slower = re.sub(r"^steering_rate_rad_per_s = .*$", "steering_rate_rad_per_s = 0.2", stated, flags=re.MULTILINE)
+    assert slower != stated
+    other.write_text(slower, encoding="utf-8")
     paper = tmp_path / "paper.json"
     bench = Bench(steerguard, fixtures / "design.json", paper)
     bench.make(other, paper)
