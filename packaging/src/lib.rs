@@ -11,3 +11,4 @@ mod mach_o;
 pub mod output;
 pub mod platform;
 pub mod replay;
+pub mod report;

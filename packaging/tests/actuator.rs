@@ -8,10 +8,10 @@ mod designed;
 mod fmu;
 
 use steerguard::drive::cosimulation::{Excitation, Rig};
-use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Fmu;
+use steerguard::report::design_summary::{Record, baked};
 use steerguard_designer::Spec;
 use steerguard_detector::{Actuator, Vehicle};
 use steerguard_world::steady_angle;

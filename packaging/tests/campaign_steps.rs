@@ -11,9 +11,9 @@ use steerguard::campaign::settings::{FaultMix, Mix, Sensors, Settings, Subject, 
 use steerguard::campaign::simulation::TestBench;
 use steerguard::drive::cosimulation::Sample;
 use steerguard::drive::scenario::SensorNoise;
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
+use steerguard::report::design_summary::Record;
 use steerguard_designer::spec::UncertaintyTable;
 use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
 use steerguard_world::{FaultKind, Manoeuvre, Plan};

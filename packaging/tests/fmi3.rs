@@ -12,11 +12,11 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use steerguard::check::check;
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{PackageError, detector_fmi3, detector_fmu};
 use steerguard::fmu::runtime::{Runtimes, is_for_fmi3};
 use steerguard::importer::Fmu;
 use steerguard::platform::Platform;
+use steerguard::report::design_summary::Record;
 use steerguard_model_description::names;
 use steerguard_model_description::xml::{Finding, header};
 use zip::write::SimpleFileOptions;

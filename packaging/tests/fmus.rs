@@ -13,11 +13,11 @@ use object::{Object as _, ObjectSymbol as _};
 use steerguard::drive::cosimulation;
 use steerguard::drive::detection::Detection;
 use steerguard::drive::scenario::{Scenario, SensorNoise};
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::importer::Type;
 use steerguard::platform::Platform;
+use steerguard::report::design_summary::Record;
 use steerguard_fmi2::Function;
 use steerguard_model_description::{names, xml};
 

@@ -12,10 +12,10 @@ use sha2::{Digest as _, Sha256};
 use steerguard::check::check;
 use steerguard::fmu::archive::Archive;
 use steerguard::fmu::bake::bake;
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
+use steerguard::report::design_summary::Record;
 use steerguard_fmu_core::{BLOCK_SIZE, baked};
 
 const X86_64: u32 = 0x0100_0007;

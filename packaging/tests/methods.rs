@@ -9,9 +9,9 @@ mod fmu;
 
 use steerguard::drive::cosimulation::{self, Sample};
 use steerguard::drive::scenario::{Scenario, Signal};
-use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
+use steerguard::report::design_summary::{Record, baked};
 use steerguard_designer::{Design, DesignStatus, Spec};
 use steerguard_test_support::cases::ReferenceCase;
 

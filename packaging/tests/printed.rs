@@ -9,7 +9,7 @@ use std::fs;
 use std::io::{Cursor, Read as _, Write as _};
 use std::path::PathBuf;
 
-use steerguard::fmu::design_summary::DesignSummary;
+use steerguard::report::design_summary::DesignSummary;
 use steerguard_designer::Design;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};

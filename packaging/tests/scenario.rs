@@ -12,9 +12,9 @@ use steerguard::campaign::settings::Subject;
 use steerguard::campaign::simulation::TestBench;
 use steerguard::drive::cosimulation::{self, Sample};
 use steerguard::drive::scenario::Scenario;
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
+use steerguard::report::design_summary::Record;
 use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
 use steerguard_world::{Gusts, Steering, Tyres};
 

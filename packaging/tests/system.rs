@@ -7,10 +7,10 @@ mod common;
 use std::io::{Cursor, Read};
 
 use steerguard::check::check;
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::fmu::system::system_ssp;
+use steerguard::report::design_summary::Record;
 use steerguard_fmu::BakedDesign;
 
 fn system(design: &BakedDesign) -> Vec<u8> {

@@ -106,6 +106,32 @@ pub fn frozen(points: &[OperatingPoint], gains: &Gains, inputs: &Inputs) -> Froz
     result
 }
 
+/// Gains of the weighted residual at the frequency `w` in radians a sample, the worst over `points`: the smallest from
+/// the fault, per rad or N m, and the largest from the disturbances whose bands hold `w`, per unit of the first.
+/// None where exp(jw) is an eigenvalue.
+pub fn at_frequency(
+    points: &[OperatingPoint],
+    gains: &Gains,
+    inputs: &Inputs,
+    w: f64,
+) -> Option<[f64; 2]> {
+    let mut worst = [f64::INFINITY, 0.0_f64];
+    for point in points {
+        let error = FrozenError::new(point, gains, inputs.weights);
+        let c_r = error.output.map(Complex::from) * error.resolvent(w)?;
+        let extremes = |channel: &Channel| {
+            let columns = error.columns(channel);
+            extreme_gains(columns.iter().map(|(b, d)| c_r * b + d))
+        };
+        let [_, of_fault] = extremes(&inputs.fault);
+        let acting = inputs.disturbances.iter().filter(|channel| channel.band.holds(w));
+        let of_disturbances =
+            acting.fold(0.0, |sum, channel| f64::hypot(sum, extremes(channel)[0]));
+        worst = [worst[0].min(of_fault), worst[1].max(of_disturbances)];
+    }
+    Some(worst)
+}
+
 /// The fault's residual against that of disturbances and noise together:
 /// `beta x smallest fault / sqrt((gamma x bound)^2 + noise_rms^2)` (method 5).
 pub fn detection_ratio(beta: f64, gamma: f64, noise_rms: f64, inputs: &Inputs) -> f64 {

@@ -183,6 +183,13 @@ impl FrozenError {
         direct.chain(noise).collect()
     }
 
+    /// Magnitudes of the poles, the largest first; none where they were not found.
+    pub fn pole_magnitudes(&self) -> Option<[f64; 3]> {
+        let mut magnitudes = <[f64; 3]>::from(eigenvalues(&self.n)?.map(|z| z.norm()));
+        magnitudes.sort_by(|a, b| b.total_cmp(a));
+        Some(magnitudes)
+    }
+
     /// `(z I - N)^-1` at `z = exp(jw)`; none where z is an eigenvalue.
     pub fn resolvent(&self, w: f64) -> Option<Matrix3<Complex<f64>>> {
         let z = Complex::from_polar(1.0, w);

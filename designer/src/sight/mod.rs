@@ -167,6 +167,48 @@ pub fn sight(
     }))
 }
 
+/// A sample of a drive of the verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Time from the start, s.
+    pub time_s: f64,
+    /// J.
+    pub j_rms: f64,
+    /// J_th.
+    pub j_th: f64,
+    /// Whether the alarm is on.
+    pub alarm: bool,
+}
+
+/// What the detector with `configuration` gives, sample by sample, on course `number` of [`steady_points`] as the
+/// verdict drives it: the fault of `fault_deg` begins at [`Sight::onset_s`].
+///
+/// # Errors
+/// [`ConfigurationError`] where the detector cannot run with `configuration`.
+pub fn course(
+    spec: &Spec,
+    configuration: &Configuration,
+    number: usize,
+    fault_deg: f64,
+) -> Result<Vec<Moment>, ConfigurationError> {
+    let test = Test::new(spec, configuration)?;
+    let mut moments = Vec::new();
+    let points = steady_points(configuration);
+    let Some(&point) = points.get(number) else {
+        return Ok(moments);
+    };
+    test.run(point, number, fault_deg, |sampled| {
+        let output = sampled.detector.output();
+        moments.push(Moment {
+            time_s: sampled.number as f64 * spec.sampling.period_s,
+            j_rms: output.j_rms,
+            j_th: output.j_th,
+            alarm: output.alarm,
+        });
+    });
+    Ok(moments)
+}
+
 /// Drives with faults.
 struct Test<'a> {
     spec: &'a Spec,
@@ -231,40 +273,13 @@ impl<'a> Test<'a> {
         }
     }
 
-    fn drive(&self, [v_x, a_y]: [f64; 2], number: usize, fault_deg: f64) -> FaultSight {
-        let spec = self.spec;
-        let period_s = spec.sampling.period_s;
-        let plan = Plan {
-            manoeuvre: if a_y == 0.0 { Manoeuvre::Straight } else { Manoeuvre::SteadyTurn },
-            speed_m_per_s: v_x,
-            lateral_acceleration_m_per_s2: a_y,
-            start_s: TURN_S,
-            pause_s: 0.0,
-        };
-        let mut surroundings = Surroundings::specified(spec);
-        surroundings.world.vehicle = TrueVehicle { data: spec.vehicle, tyres: tyres(spec) };
-        let onset = (self.onset_s / period_s).ceil() as u64;
-        let samples = onset + (self.fault_s / period_s).ceil() as u64;
-        let simulation = Simulation {
-            sensors: surroundings.sensors(&spec.noise, period_s, number as u64),
-            surroundings,
-            course: Course::new(
-                &plan,
-                &spec.vehicle,
-                spec.evaluation.calibration.steering_rate_rad_per_s,
-            ),
-            start: VehicleState { v_x_m_per_s: v_x, v_y_m_per_s: 0.0, r_rad_per_s: 0.0 },
-            period_s,
-            samples,
-        };
-        let onset_s = onset as f64 * period_s;
-        let fault = Fault { onset_s, kind: FaultKind::Bias { angle_rad: fault_deg.to_radians() } };
-
+    fn drive(&self, point: [f64; 2], number: usize, fault_deg: f64) -> FaultSight {
+        let period_s = self.spec.sampling.period_s;
+        let [onset, samples] = self.onset_and_end();
         let mut false_alarm = false;
         let (mut raised, mut monitored) = (None, 0);
         let (mut stands, mut lasts) = (false, true);
-        let mut detector = self.detector;
-        simulation.run(&mut detector, &fault, |&Sampled { number: k, detector, .. }| {
+        self.run(point, number, fault_deg, |&Sampled { number: k, detector, .. }| {
             let alarm = detector.output().alarm;
             // The sample at the onset does not know of the fault yet.
             if k <= onset {
@@ -286,6 +301,51 @@ impl<'a> Test<'a> {
             false_alarm,
             monitored: monitored as f64 / (samples - onset - 1).max(1) as f64,
         }
+    }
+
+    /// The sample at which the fault begins, and their number.
+    fn onset_and_end(&self) -> [u64; 2] {
+        let in_samples = |time_s: f64| (time_s / self.spec.sampling.period_s).ceil() as u64;
+        let onset = in_samples(self.onset_s);
+        [onset, onset + in_samples(self.fault_s)]
+    }
+
+    /// Drives course `number`, which seeds the sensors' noise, with a fault.
+    fn run(
+        &self,
+        [v_x, a_y]: [f64; 2],
+        number: usize,
+        fault_deg: f64,
+        sampled: impl FnMut(&Sampled<'_>),
+    ) {
+        let spec = self.spec;
+        let period_s = spec.sampling.period_s;
+        let plan = Plan {
+            manoeuvre: if a_y == 0.0 { Manoeuvre::Straight } else { Manoeuvre::SteadyTurn },
+            speed_m_per_s: v_x,
+            lateral_acceleration_m_per_s2: a_y,
+            start_s: TURN_S,
+            pause_s: 0.0,
+        };
+        let mut surroundings = Surroundings::specified(spec);
+        surroundings.world.vehicle = TrueVehicle { data: spec.vehicle, tyres: tyres(spec) };
+        let [onset, samples] = self.onset_and_end();
+        let simulation = Simulation {
+            sensors: surroundings.sensors(&spec.noise, period_s, number as u64),
+            surroundings,
+            course: Course::new(
+                &plan,
+                &spec.vehicle,
+                spec.evaluation.calibration.steering_rate_rad_per_s,
+            ),
+            start: VehicleState { v_x_m_per_s: v_x, v_y_m_per_s: 0.0, r_rad_per_s: 0.0 },
+            period_s,
+            samples,
+        };
+        let onset_s = onset as f64 * period_s;
+        let fault = Fault { onset_s, kind: FaultKind::Bias { angle_rad: fault_deg.to_radians() } };
+        let mut detector = self.detector;
+        simulation.run(&mut detector, &fault, sampled);
     }
 }
 

@@ -25,6 +25,7 @@ Examples:
   steerguard campaign design.json --drives 1000  what the detector is worth on the road
   steerguard identify log.csv --known told.toml  vehicle and sensors from a recorded drive
   steerguard replay design.json drive.csv        what the detector says of one
+  steerguard report design.json                  a page on all of it, for a browser
 
 Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
 
@@ -68,6 +69,8 @@ pub enum Command {
     Campaign(Box<CampaignArguments>),
     /// Take recorded drives through the packaged detector, as they are and with injected faults
     Replay(Box<ReplayArguments>),
+    /// Write a page on what a design is worth: verdict, figures, proof, evidence
+    Report(ReportArguments),
 }
 
 /// What a design may lack and be used all the same, if that is asked for.
@@ -90,6 +93,30 @@ pub enum FmiVersion {
     Three,
     /// FMI 2.0 as X.fmu, FMI 3.0 as X.fmi3.fmu
     Both,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard report design.json
+  steerguard report design.json --campaign campaign --replay replay -o report.html
+
+The page is one file, needs no network and no script, and says first what the design sees and what it does not.")]
+pub struct ReportArguments {
+    /// Design (.json), or a specification to design for first
+    pub design: PathBuf,
+    /// Folder of a campaign of this design: detections by size, delays, false alarms
+    #[arg(long, value_name = "DIR")]
+    pub campaign: Option<PathBuf>,
+    /// Folder of a replay with this design: recorded drives
+    #[arg(long, value_name = "DIR")]
+    pub replay: Option<PathBuf>,
+    /// Comparison with other detectors, as tests/peers/run --json writes it
+    #[arg(long, value_name = "FILE")]
+    pub peers: Option<PathBuf>,
+    /// Page to write
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    pub output: PathBuf,
 }
 
 /// Arguments of `identify`.

@@ -137,7 +137,7 @@ fn bench(design: &Design, settings: Settings) -> Result<(TestBench, Manifest), F
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
     let detector = folder.path().join(names::DETECTOR_FILE);
     let plant = folder.path().join(names::PLANT_FILE);
-    package::detector(design, &Runtimes::detector(), &detector)?;
+    package::detector_to_drive(design, &detector)?;
     package::plant(&Runtimes::plant(), &plant)?;
     let read = |path| std::fs::read(path).map_err(Failure::bad);
     let manifest = Manifest::new(settings, design.hash.clone(), &read(&detector)?, &read(&plant)?);

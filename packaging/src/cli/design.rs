@@ -9,8 +9,8 @@ use super::print::print;
 use crate::cli::arguments::DesignArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
-use crate::fmu::design_summary::DesignSummary;
 use crate::output;
+use crate::report::design_summary::DesignSummary;
 
 /// A design and its file.
 #[derive(Serialize)]

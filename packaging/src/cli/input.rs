@@ -8,7 +8,7 @@ use steerguard_designer::{
     Design, DesignError, DesignFileError, DesignStatus, Spec, design_with_drives,
 };
 use steerguard_drives::Columns;
-use steerguard_verify::Refusal;
+use steerguard_verify::{Refusal, Verdict, verify};
 
 use super::columns;
 use super::text::read_text;
@@ -16,8 +16,8 @@ use crate::cli::arguments::Allowance;
 use crate::cli::failure::Failure;
 use crate::cli::progress::Progress;
 use crate::drive::scenario::Scenario;
-use crate::fmu::sight;
 use crate::replay::recording::{self, Recording};
+use crate::report::sight;
 
 /// Most samples of recorded drives, which are held in memory: 1 GB of them.
 const MOST_RECORDED_SAMPLES: usize = 20_000_000;
@@ -77,14 +77,26 @@ pub(super) fn design(
     allowed: &[Allowance],
     progress: &Progress,
 ) -> Result<Design, Failure> {
-    let design = if is_design(path) {
+    Ok(verified(path, allowed, progress)?.0)
+}
+
+/// The same, and what the check of it said.
+pub(super) fn verified(
+    path: &Path,
+    allowed: &[Allowance],
+    progress: &Progress,
+) -> Result<(Design, Verdict), Failure> {
+    let (design, verdict) = if is_design(path) {
         progress.say("verifying the design");
         let text = read_text(path)?;
-        steerguard_verify::verify(&text).map_err(|refusal| refused(refusal, path))?;
-        Design::from_json(&text).map_err(|error| unreadable(error, path))?
+        let verdict = verify(&text).map_err(|refusal| refused(refusal, path))?;
+        (Design::from_json(&text).map_err(|error| unreadable(error, path))?, verdict)
     } else {
-        make(&spec(path)?, folder_of(path), progress)
-            .map_err(|failure| failure.placed(path.display()))?
+        let design = make(&spec(path)?, folder_of(path), progress)
+            .map_err(|failure| failure.placed(path.display()))?;
+        let text = design.to_json().map_err(Failure::bad)?;
+        let verdict = verify(&text).map_err(|refusal| refused(refusal, path))?;
+        (design, verdict)
     };
     if let Some(missed) = &design.synthesis.unproven
         && !allowed.contains(&Allowance::Uncertified)
@@ -99,7 +111,7 @@ pub(super) fn design(
             .at(path.display())
             .help("--allow blind uses it all the same; what is made of it says so"));
     }
-    Ok(design)
+    Ok((design, verdict))
 }
 
 /// Why a design file cannot be read.

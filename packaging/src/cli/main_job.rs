@@ -17,9 +17,9 @@ use crate::cli::progress::Progress;
 use crate::drive::detection::Detection;
 use crate::drive::scenario::Scenario;
 use crate::drive::simulation::Files;
-use crate::fmu::design_summary::DesignSummary;
 use crate::fmu::runtime::Runtimes;
 use crate::output;
+use crate::report::design_summary::{DesignSummary, Record};
 
 /// All that the main job made and found.
 #[derive(Serialize)]
@@ -46,15 +46,22 @@ pub(super) fn run(folder: &Path, json: bool) -> Result<Exit, Failure> {
     design::write(&designed, &design_file)?;
 
     progress.say("proving the design file");
-    let proof = verify::Proof::of(&steerguard_verify::verify(&read_text(&design_file)?));
+    let checked = steerguard_verify::verify(&read_text(&design_file)?);
+    let proof = verify::Proof::of(&checked);
     if !proof.holds {
         return Err(Failure::no(proof.text()).at(design_file.display()));
     }
+    let verdict = checked.map_err(|refusal| input::refused(refusal, &design_file))?;
     progress.say("packaging");
     let detector_file = folder.join(names::DETECTOR_FILE);
     let plant_file = folder.join(names::PLANT_FILE);
     let fmus = vec![
-        package::detector(&designed, &Runtimes::detector(), &detector_file)?,
+        package::detector(
+            &designed,
+            &Record::of(&designed, &verdict),
+            &Runtimes::detector(),
+            &detector_file,
+        )?,
         package::plant(&Runtimes::plant(), &plant_file)?,
     ];
     let (detector, plant) = (simulate::open(&detector_file)?, simulate::open(&plant_file)?);

@@ -16,6 +16,7 @@ mod package;
 mod print;
 pub mod progress;
 mod replay;
+mod report;
 mod simulate;
 mod text;
 mod verify;
@@ -39,5 +40,6 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Some(Command::Simulate(arguments)) => simulate::run(arguments, cli.json),
         Some(Command::Campaign(arguments)) => campaign::run(arguments, cli.json),
         Some(Command::Replay(arguments)) => replay::run(arguments, cli.json),
+        Some(Command::Report(arguments)) => report::run(arguments, cli.json),
     }
 }

@@ -12,12 +12,12 @@ use super::print::print;
 use crate::cli::arguments::{FmiVersion, PackageArguments};
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
-use crate::fmu::design_summary::{Record, baked, status};
 use crate::fmu::package::{PackageError, detector_fmi3, detector_fmu, plant_fmu};
 use crate::fmu::runtime::{Runtimes, is_for_fmi3};
 use crate::fmu::system::system_ssp;
 use crate::output;
 use crate::platform::Platform;
+use crate::report::design_summary::{Record, baked, status};
 
 /// An FMU that was written.
 #[derive(Serialize)]
@@ -68,23 +68,24 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
         true => only(Runtimes::plant(), &arguments.only, names::PLANT)?,
         false => Runtimes::plant(),
     };
-    let design = {
+    let (design, verdict) = {
         let progress = Progress::new();
-        input::design(&arguments.design, &arguments.allow, &progress)?
+        input::verified(&arguments.design, &arguments.allow, &progress)?
     };
+    let record = Record::of(&design, &verdict);
     let mut fmus = Vec::new();
     if let Some(path) = fmi2_path {
-        fmus.push(detector(&design, &runtimes, path)?);
+        fmus.push(detector(&design, &record, &runtimes, path)?);
     }
     if let Some(path) = fmi3_path {
-        let fmu = detector_fmi3(&payload(&design)?, &Record::of(&design), &fmi3_runtimes);
+        let fmu = detector_fmi3(&payload(&design)?, &record, &fmi3_runtimes);
         fmus.push(write(path, fmu)?);
     }
     if let Some(path) = plant_path {
         fmus.push(plant(&plant_runtimes, path)?);
     }
     if let Some(path) = system_path {
-        fmus.push(system(&design, &runtimes, &plant_runtimes, path)?);
+        fmus.push(system(&design, &record, [&runtimes, &plant_runtimes], path)?);
     }
     let used = if needs.fmi2 { &runtimes } else { &fmi3_runtimes };
     let platforms = used.0.keys().map(|platform| platform.folder()).collect();
@@ -157,16 +158,22 @@ pub(super) fn listed(fmus: &[Packaged], indent: &str) -> String {
     fmus.iter().map(line).collect()
 }
 
-/// Packages the detector.
+/// Packages the detector, with what is on `record` in its documentation.
 pub(super) fn detector(
     design: &Design,
+    record: &Record,
     runtimes: &Runtimes,
     path: &Path,
 ) -> Result<Packaged, Failure> {
-    write(path, detector_fmu(&payload(design)?, &Record::of(design), runtimes))
+    write(path, detector_fmu(&payload(design)?, record, runtimes))
 }
 
-fn payload(design: &Design) -> Result<BakedDesign, Failure> {
+/// Packages the detector to be driven here and thrown away: nobody reads its documentation.
+pub(super) fn detector_to_drive(design: &Design, path: &Path) -> Result<Packaged, Failure> {
+    detector(design, &Record::default(), &Runtimes::detector(), path)
+}
+
+pub(super) fn payload(design: &Design) -> Result<BakedDesign, Failure> {
     baked(design).map_err(|hash| Failure::bad(format!("the design's hash `{hash}` is no SHA-256")))
 }
 
@@ -178,11 +185,11 @@ pub(super) fn plant(runtimes: &Runtimes, path: &Path) -> Result<Packaged, Failur
 /// Packages detector and reference vehicle as a connected system.
 fn system(
     design: &Design,
-    detector: &Runtimes,
-    plant: &Runtimes,
+    record: &Record,
+    [detector, plant]: [&Runtimes; 2],
     path: &Path,
 ) -> Result<Packaged, Failure> {
-    write(path, system_ssp(&payload(design)?, &Record::of(design), detector, plant))
+    write(path, system_ssp(&payload(design)?, record, detector, plant))
 }
 
 fn write(path: &Path, fmu: Result<Vec<u8>, PackageError>) -> Result<Packaged, Failure> {

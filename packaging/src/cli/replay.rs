@@ -14,14 +14,13 @@ use super::{input, simulate};
 use crate::cli::arguments::ReplayArguments;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
-use crate::fmu::runtime::Runtimes;
 use crate::output;
 use crate::output::temporary::TemporaryFolder;
 use crate::replay::report::Summary;
 use crate::replay::{self, Bench, OpenDrive, Outputs, ReplayError};
 
 /// Name of the summary in the folder of results.
-const SUMMARY: &str = "summary.json";
+pub(super) const SUMMARY: &str = "summary.json";
 
 pub(super) fn run(arguments: &ReplayArguments, json: bool) -> Result<Exit, Failure> {
     let columns = told(&arguments.columns)?;
@@ -76,7 +75,7 @@ fn bench(design: &Design) -> Result<Bench, Failure> {
     let folder = TemporaryFolder::new()
         .map_err(|error| Failure::bad(format!("cannot make a temporary folder: {error}")))?;
     let path = folder.path().join(names::DETECTOR_FILE);
-    package::detector(design, &Runtimes::detector(), &path)?;
+    package::detector_to_drive(design, &path)?;
     Ok(Bench {
         fmu: simulate::open(&path)?,
         vehicle: design.detector.model.vehicle,

@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
         None => {
             let path = folder.path().join(names::DETECTOR_FILE);
             let design = input::make(&Spec::default(), Path::new(""), &progress)?;
-            package::detector(&design, &Runtimes::detector(), &path)?;
+            package::detector_to_drive(&design, &path)?;
             open(&path)?
         }
     };

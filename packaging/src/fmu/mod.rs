@@ -2,12 +2,8 @@
 
 pub mod archive;
 pub mod bake;
-pub mod design_summary;
-pub mod documentation;
 pub mod package;
 pub mod reference;
 pub mod runtime;
-pub mod second;
-pub mod sight;
 mod slices;
 pub mod system;

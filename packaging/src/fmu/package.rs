@@ -11,14 +11,16 @@ use steerguard_model_description::xml::Rendered;
 use steerguard_model_description::{DefaultExperiment, xml};
 use steerguard_plant::PlantModel;
 
+use crate::drive::figure::PlotError;
 use crate::fmu::archive::Archive;
 use crate::fmu::bake::{BakeError, bake};
-use crate::fmu::design_summary::Record;
-use crate::fmu::documentation;
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
 use crate::fmu::slices;
 use crate::platform::Platform;
+use crate::report::design_summary::Record;
+use crate::report::documentation;
+use crate::report::html::Section;
 
 /// Length of the run that the FMUs propose, s: the scenario of the paper's Fig. 1.
 pub(crate) const STOP_TIME_S: f64 = 20.0;
@@ -62,6 +64,9 @@ pub enum PackageError {
     /// There is no library at all.
     #[error("no library for any platform: this command has none for its own machine")]
     NoLibrary,
+    /// A figure of the documentation cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// Description or archive cannot be written.
     #[error(transparent)]
     Write(#[from] io::Error),
@@ -94,7 +99,7 @@ pub fn detector_fmi3(
     let payload = design.encode()?;
     let model = DetectorModel::new(&payload).map_err(PackageError::Model)?;
     let mut parts = detector_parts(design, record, &payload)?;
-    parts.about += documentation::DETECTOR_FMI3;
+    parts.about.push(documentation::detector_fmi3());
     for (_, table) in &mut parts.reference {
         *table = reference::with_arrays::<DetectorVariable>(table);
     }
@@ -122,7 +127,7 @@ fn detector_parts<'a>(
     Ok(Parts {
         payload,
         step_s: design.configuration.model.sampling_period_s,
-        about: documentation::detector(design, record),
+        about: documentation::detector(design, record)?,
         reference: reference::detector(&design.configuration)
             .map_err(DesignError::Configuration)?,
     })
@@ -139,7 +144,7 @@ pub fn plant_fmu(runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
     let parts = Parts {
         payload: &[],
         step_s: PLANT_STEP_S,
-        about: documentation::PLANT.to_owned(),
+        about: documentation::plant(),
         reference: reference::plant(&Vehicle::PAPER, speed_m_per_s, PLANT_STEP_S),
     };
     fmu(&model, &parts, runtimes)
@@ -151,7 +156,7 @@ struct Parts<'a> {
     /// Communication step to propose, s.
     step_s: f64,
     /// The model's part of the documentation.
-    about: String,
+    about: Vec<Section>,
     reference: reference::Files,
 }
 

@@ -27,10 +27,10 @@ use steerguard_plant::PlantModel;
 use crate::drive::cosimulation::name_in_plant;
 use crate::drive::scenario::Scenario;
 use crate::fmu::archive::Archive;
-use crate::fmu::design_summary::Record;
 use crate::fmu::package::{PackageError, STOP_TIME_S, detector_fmu, plant_fmu};
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
+use crate::report::design_summary::Record;
 
 const PLANT: &str = "plant";
 const DETECTOR: &str = "detector";

@@ -6,10 +6,10 @@ use std::path::Path;
 use std::ptr;
 
 use libloading::Library;
-use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
+use steerguard::report::design_summary::{Record, baked};
 use steerguard_designer::spec::EstimatorTable;
 use steerguard_designer::{Spec, design};
 use steerguard_detector::{Actuator, Configuration};

@@ -11,9 +11,9 @@ use common::drive::{STEPS, Shown, assert_eventful, inputs, plain};
 use fmi_rs::fmi3::FMU3;
 use fmi_rs::fmi3::builder::FMU3Builder;
 use fmi_rs::fmi3::types::fmi3Status;
-use steerguard::fmu::design_summary::{Record, baked};
 use steerguard::fmu::package::detector_fmi3;
 use steerguard::fmu::runtime::Runtimes;
+use steerguard::report::design_summary::{Record, baked};
 
 const INPUTS: [&str; 4] = ["v_x", "r", "u.T_eng", "u.delta"];
 /// The array counts as two.

@@ -11,10 +11,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use libloading::Library;
-use steerguard::fmu::design_summary::Record;
 use steerguard::fmu::package::detector_fmu;
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
+use steerguard::report::design_summary::Record;
 use steerguard_conformance_tests::Functions;
 use steerguard_designer::{Design, Spec, design};
 use steerguard_detector::Detector;
@@ -42,7 +42,7 @@ impl Packaged {
             }
             None => design(&Spec::paper(), &mut |_| {}).unwrap(),
         };
-        let baked = steerguard::fmu::design_summary::baked(&design).unwrap();
+        let baked = steerguard::report::design_summary::baked(&design).unwrap();
         let bytes = detector_fmu(&baked, &Record::default(), &Runtimes::detector()).unwrap();
 
         let folder = tempfile::tempdir().unwrap();

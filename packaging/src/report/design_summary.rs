@@ -6,12 +6,14 @@ use steerguard_designer::spec::{MethodName, ThresholdKind};
 use steerguard_designer::threshold::calibration::{Level, exceeded_at_most};
 use steerguard_designer::threshold::recorded::Recorded;
 use steerguard_designer::threshold::{SteadyThreshold, by_cause, cause_names, recorded, searched};
-use steerguard_designer::{CertifiedFigures, Design, DesignStatus, ThresholdRecord};
+use steerguard_designer::{CertifiedFigures, Design, DesignStatus, Spec, ThresholdRecord};
 use steerguard_fmu::BakedDesign;
+use steerguard_verify::Verdict;
 
-use crate::fmu::second::Second;
-use crate::fmu::sight;
 use crate::output::table::aligned;
+use crate::report::pictures::Pictures;
+use crate::report::second::Second;
+use crate::report::sight;
 
 /// Figures of a design.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -69,18 +71,52 @@ pub struct Record {
     pub second: Vec<String>,
     /// What simulated drives show.
     pub sight: Option<Sight>,
+    /// What is known of drives without a fault, sentences.
+    pub fault_free: Vec<String>,
+    /// What is proven, sentences.
+    pub statements: Vec<String>,
+    /// What is neither proven nor recomputed, sentences.
+    pub unchecked: Vec<String>,
+    /// The specification.
+    pub spec: Option<Spec>,
+    /// What figures show.
+    pub pictures: Option<Pictures>,
 }
 
 impl Record {
-    /// That of `design`.
-    pub fn of(design: &Design) -> Self {
+    /// That of `design`, of which a check gave this `verdict`.
+    pub fn of(design: &Design, verdict: &Verdict) -> Self {
         let second = Second::of(design).sentences(design.threshold.margin);
         Self {
             causes: causes(design),
             second: second.map_or(Vec::new(), |(_, sentences)| sentences),
             sight: design.performance.sight.clone(),
+            fault_free: fault_free(design),
+            statements: verdict.statements.clone(),
+            unchecked: verdict.unchecked.clone(),
+            spec: Some(design.spec.clone()),
+            pictures: Pictures::of(design).ok(),
         }
     }
+}
+
+/// What is known of drives without a fault.
+fn fault_free(design: &Design) -> Vec<String> {
+    let ThresholdRecord { uncertain, recorded, searched, margin, .. } = &design.threshold;
+    let Some(level) = uncertain else {
+        return Vec::new();
+    };
+    let covers = design.spec.evaluation.covers;
+    let share = margin * searched::covered(level, recorded, searched, *margin, covers);
+    let at_random = format!(
+        "Without a fault, vehicle, road and air anywhere in what is stated: J / J_th is {:.2} in {}.",
+        level.level / share,
+        surely_largest(level)
+    );
+    let by_search = found_by_search(&design.threshold, share) + ".";
+    let recorded = recorded_ratio(recorded, level, share).map(|x| x.cause + ".");
+    let searched = (!searched.is_empty()).then_some(by_search);
+    std::iter::once(at_random).chain(searched).chain(recorded).collect()
 }
 
 /// What a share of the threshold's level comes from.
