@@ -17,6 +17,7 @@ the FMU against a reference vehicle with a 0.5 degree steering fault, and prints
 
 Examples:
   steerguard                                     the main job, into steerguard-out/
+  steerguard init my-car.toml                    a specification to start from
   steerguard design my-car.toml -o design.json   gains for your vehicle
   steerguard verify design.json                  independent proof in exact arithmetic
   steerguard package design.json                 SteeringFaultDetector.fmu
@@ -53,6 +54,8 @@ pub struct Cli {
 /// A subcommand.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a specification to start from, every key explained
+    Init(InitArguments),
     /// Find vehicle and sensors from recorded drives, with standard errors, and write a specification
     Identify(Box<IdentifyArguments>),
     /// Compute the gains and the threshold for a vehicle and specification
@@ -71,6 +74,8 @@ pub enum Command {
     Replay(Box<ReplayArguments>),
     /// Write a page on what a design is worth: verdict, figures, proof, evidence
     Report(ReportArguments),
+    /// Print what a shell needs to complete this command's arguments
+    Completions(CompletionsArguments),
 }
 
 /// What a design may lack and be used all the same, if that is asked for.
@@ -93,6 +98,29 @@ pub enum FmiVersion {
     Three,
     /// FMI 2.0 as X.fmu, FMI 3.0 as X.fmi3.fmu
     Both,
+}
+
+/// Arguments of `init`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard init
+  steerguard init my-car.toml
+
+What is there already is not written over: name another file, or remove it.")]
+pub struct InitArguments {
+    /// Specification to write
+    #[arg(value_name = "FILE", default_value = "car.toml")]
+    pub output: PathBuf,
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard completions bash > /etc/bash_completion.d/steerguard
+  steerguard completions zsh > ~/.zfunc/_steerguard")]
+pub struct CompletionsArguments {
+    /// The shell
+    pub shell: clap_complete::Shell,
 }
 
 /// Arguments of `report`.

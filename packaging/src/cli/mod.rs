@@ -5,11 +5,13 @@ mod campaign;
 mod check;
 pub mod column_arguments;
 mod columns;
+mod completions;
 mod design;
 mod detection_table;
 mod diagnostic;
 pub mod failure;
 mod identify;
+mod init;
 mod input;
 mod main_job;
 mod package;
@@ -32,6 +34,8 @@ use crate::cli::failure::{Exit, Failure};
 pub fn run(cli: &Cli) -> Result<Exit, Failure> {
     match &cli.command {
         None => main_job::run(&cli.out, cli.json),
+        Some(Command::Init(arguments)) => init::run(arguments, cli.json),
+        Some(Command::Completions(arguments)) => completions::run(arguments),
         Some(Command::Identify(arguments)) => identify::run(arguments, cli.json),
         Some(Command::Design(arguments)) => design::run(arguments, cli.json),
         Some(Command::Verify(arguments)) => verify::run(arguments, cli.json),
