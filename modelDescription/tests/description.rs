@@ -121,7 +121,7 @@ fn the_description_has_no_finding() {
 }
 
 /// What is replaced in the sound description, by what, and the rule that must notice.
-const DEFECTS: [(&str, &str, &str); 35] = [
+const DEFECTS: [(&str, &str, &str); 38] = [
     ("</ModelStructure>", "", "malformed-xml"),
     ("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"", "version"),
     ("modelName=\"SteeringFaultDetector\"", "modelName=\"\"", "empty-model-name"),
@@ -145,6 +145,9 @@ const DEFECTS: [(&str, &str, &str); 35] = [
     ("stopTime=\"20.0\"", "stopTime=\"-1\"", "experiment"),
     ("stepSize=\"0.01\"", "stepSize=\"0\"", "experiment"),
     ("ScalarVariable name=\"r\"", "ScalarVariable name=\"v_x\"", "duplicate-name"),
+    ("ScalarVariable name=\"r\"", "ScalarVariable name=\"\"", "empty-name"),
+    ("<Boolean start=\"false\"", "<Boolaen start=\"false\"", "no-type"),
+    ("<Boolean start=\"false\"", "<Boolean start=\"yes\"", "start-form"),
     ("valueReference=\"0\"", "valueReference=\"-1\"", "value-reference"),
     ("max=\"150.0\"", "max=\"-151\"", "max-below-min"),
     ("max=\"150.0\" nominal=\"10.0\"", "max=\"0.05\"", "start-out-of-range"),
@@ -182,6 +185,15 @@ fn every_rule_notices_its_defect() {
         let finding = found.unwrap_or_else(|| panic!("{code} not found among {findings:#?}"));
         assert!(finding.location.starts_with("modelDescription.xml:"), "{finding}");
         assert!(finding.level == Level::Error || code == "nominal-out-of-range");
+    }
+}
+
+#[test]
+fn elements_that_are_missing_are_noticed() {
+    let xml = rendered().xml;
+    for (element, code) in [("ModelVariables", "no-variables"), ("ModelStructure", "structure")] {
+        let findings = lint(&xml.replace(element, "Other"));
+        assert!(findings.iter().any(|finding| finding.code == code), "{findings:#?}");
     }
 }
 
