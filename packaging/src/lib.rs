@@ -1,5 +1,6 @@
 //! From a design to FMUs, and from FMUs to a detected fault.
 
+mod bounded;
 pub mod campaign;
 pub mod check;
 pub mod cli;

@@ -26,6 +26,12 @@ pub enum CampaignError {
         /// What differs, a line each.
         differences: String,
     },
+    /// What the folder says of its campaign cannot be read.
+    #[error("`{}` is damaged: it holds no campaign", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+    },
     /// A block cannot be used.
     #[error("block `{}`: {reason}", path.display())]
     Block {

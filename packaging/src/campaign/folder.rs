@@ -19,6 +19,7 @@ use sha2::{Digest, Sha256};
 
 use super::error::CampaignError;
 use super::table::{self, Row};
+use crate::bounded;
 use crate::output;
 
 /// Drives of a block.
@@ -59,12 +60,13 @@ impl Folder {
         let digest = hex(&Sha256::digest(&manifest));
         let file = path.join("campaign.json");
         output::create_folder(&path.join("blocks"))?;
-        match std::fs::read_to_string(&file) {
+        match bounded::read_text(&file) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 output::write(&file, manifest.as_bytes())?;
             }
             Err(error) => return Err(CampaignError::read(&file)(error)),
             Ok(there) if there == manifest => {}
+            Ok(there) if is_damaged(&there) => return Err(CampaignError::Damaged { path: file }),
             Ok(there) => {
                 let differences = differences(&there, &manifest);
                 return Err(CampaignError::OtherCampaign { folder: path.to_owned(), differences });
@@ -102,7 +104,7 @@ impl Folder {
     /// [`CampaignError`] if the file is not what this campaign writes.
     pub fn read_block(&self, block: u64) -> Result<Option<Vec<Row>>, CampaignError> {
         let path = self.block_path(block);
-        let text = match std::fs::read_to_string(&path) {
+        let text = match bounded::read_text(&path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(CampaignError::read(&path))?,
         };
@@ -194,6 +196,11 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Whether the text is that of no manifest at all.
+fn is_damaged(manifest: &str) -> bool {
+    !serde_json::from_str::<Map<String, Value>>(manifest).is_ok_and(|keys| !keys.is_empty())
+}
+
 /// The keys at which two manifests differ, with both values.
 fn differences(there: &str, here: &str) -> String {
     let parse = |text| serde_json::from_str::<Map<String, Value>>(text).unwrap_or_default();
@@ -205,4 +212,23 @@ fn differences(there: &str, here: &str) -> String {
         format!("\n  {key}: {} there, {} now", show(there.get(key)), show(here.get(key)))
     });
     lines.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_manifest_without_a_campaign_is_damaged_and_another_one_another_campaign() {
+        let here = serde_json::json!({"drives": 3});
+        let opened = |text: &str| {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("campaign.json"), text).unwrap();
+            Folder::open(folder.path(), 3, &here)
+        };
+        for text in ["", "{}", "[1]", "{\"drives\": 3"] {
+            assert!(matches!(opened(text), Err(CampaignError::Damaged { .. })), "{text}");
+        }
+        assert!(matches!(opened("{\"drives\": 4}"), Err(CampaignError::OtherCampaign { .. })));
+    }
 }

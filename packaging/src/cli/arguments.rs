@@ -338,7 +338,7 @@ pub struct CampaignArguments {
     pub mix: Mix,
     /// Sizes of biases, drifts and oscillations, deg at the road wheel; default: up to four times the
     /// smallest fault of the design, and of a quarter of them from there up to 20
-    #[arg(long, value_name = "MIN..MAX", value_parser = sizes)]
+    #[arg(long, value_name = "MIN..MAX", value_parser = sizes, allow_hyphen_values = true)]
     pub fault_deg: Option<[f64; 2]>,
     /// The design's own vehicle and actuator with linear tyres on a flat road in still air
     #[arg(long, conflicts_with_all = [
@@ -466,7 +466,11 @@ fn gap(text: &str) -> Result<f64, String> {
 fn between<const MIN: i64, const MAX: i64>(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().map_err(|error| error.to_string())?;
     let (min, max) = (MIN as f64, MAX as f64);
-    if (min..=max).contains(&value) { Ok(value) } else { Err(format!("not from {MIN} to {MAX}")) }
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not from {MIN} to {MAX}"))
+    }
 }
 
 fn jobs(text: &str) -> Result<usize, String> {
@@ -505,5 +509,12 @@ mod tests {
     #[test]
     fn definition_is_consistent() {
         super::Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_below_zero_are_told_with_what_is_allowed() {
+        let arguments = ["steerguard", "campaign", "a.json", "--fault-deg", "-5..1"];
+        let error = super::Cli::command().try_get_matches_from(arguments).unwrap_err().to_string();
+        assert!(error.contains("-5 is not from 0 to 90"), "{error}");
     }
 }

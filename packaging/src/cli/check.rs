@@ -43,6 +43,11 @@ impl<'a> From<&'a Finding> for Item<'a> {
 pub(super) fn run(arguments: &CheckArguments, json: bool) -> Result<Exit, Failure> {
     let path = &arguments.fmu;
     let name = path.display().to_string();
+    if path.is_dir() {
+        return Err(Failure::bad(format!("`{name}` is a folder")).help(
+            "name an FMU file: a zip archive of what an unpacked FMU has, modelDescription.xml at its root",
+        ));
+    }
     let findings = File::open(path).and_then(|file| check(file, &name)).map_err(|error| {
         Failure::bad(format!("cannot read `{name}`: {error}")).help("name an FMU file")
     })?;

@@ -1,6 +1,7 @@
 //! What the command says when it cannot do what was asked.
 
 use std::fmt;
+use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 use serde::Serialize;
@@ -99,10 +100,21 @@ impl Failure {
     }
 }
 
+/// What to do where the disk is full.
+const FULL: &str =
+    "the disk is full, or your share of it: free some space, or name a file on another disk";
+
+/// What to do if that is why something cannot be written.
+fn full(error: &io::Error) -> Option<&'static str> {
+    matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded).then_some(FULL)
+}
+
 impl From<crate::output::OutputError> for Failure {
     fn from(error: crate::output::OutputError) -> Self {
-        Self::bad(&error)
-            .help("name a file in an existing folder that you may write to (-o FILE, --out DIR)")
+        let help = full(&error.source).unwrap_or(
+            "name a file in an existing folder that you may write to (-o FILE, --out DIR)",
+        );
+        Self::bad(&error).help(help)
     }
 }
 
@@ -114,9 +126,16 @@ impl From<crate::campaign::CampaignError> for Failure {
                 "go on with the arguments and the build it was begun with (detector and plant are \
                  digests of the FMUs), or name another folder (-o DIR)"
             }
+            CampaignError::Damaged { .. } => {
+                "restore the file, or delete the folder; or name another one (-o DIR)"
+            }
             CampaignError::Block { .. } => "delete the file: its drives are driven again",
             CampaignError::Drive { .. } => {
                 "`steerguard campaign ... --drive INDEX` repeats this drive alone"
+            }
+            CampaignError::Output(error) if full(&error.source).is_some() => FULL,
+            CampaignError::Read { source, .. } if source.kind() == ErrorKind::FileTooLarge => {
+                "it is no file of a campaign: delete it, or name another folder (-o DIR)"
             }
             CampaignError::Output(_) | CampaignError::Read { .. } => {
                 "name a folder that you may write to (-o DIR)"
@@ -126,5 +145,23 @@ impl From<crate::campaign::CampaignError> for Failure {
             }
         };
         Self::bad(&error).help(help)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::output::OutputError;
+
+    #[test]
+    fn a_full_disk_is_told_apart_from_a_folder_that_nobody_may_write_to() {
+        let help = |kind: ErrorKind| {
+            let error = OutputError { path: PathBuf::from("a"), source: kind.into() };
+            Failure::from(error).diagnostics[0].help[0].clone()
+        };
+        assert_eq!(help(ErrorKind::StorageFull), FULL);
+        assert!(help(ErrorKind::PermissionDenied).contains("you may write to"));
     }
 }
