@@ -13,7 +13,7 @@ use steerguard_world::{Steering, bank_m_per_s2, speed_control_n_m};
 
 use steerguard_designer::document::Mistakes;
 
-use crate::drive::exchange::{self, Inputs, Results};
+use crate::drive::exchange::{self, Inputs, NotFinite, Results, finite};
 use crate::drive::scenario::{PlantParameter, Scenario, SensorNoise};
 use crate::drive::wheel::Wheel;
 use crate::importer::{CallError, Fmu, ImportError, Instance, Type};
@@ -27,6 +27,9 @@ pub enum CosimulationError {
     /// An FMU refused a call or failed.
     #[error(transparent)]
     Call(#[from] CallError),
+    /// An FMU gave what is no number.
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
     /// The scenario does not fit the communication step.
     #[error(transparent)]
     Scenario(#[from] Mistakes),
@@ -292,6 +295,9 @@ struct Ports {
     detector: exchange::Ports,
 }
 
+/// What is read of the plant.
+const PLANT_OUTPUTS: [&str; 4] = ["v_x", "r", "true.v_y", "true.v_x"];
+
 impl Ports {
     fn find(detector: &Fmu, plant: &Fmu) -> Result<Self, ImportError> {
         Ok(Self {
@@ -302,7 +308,7 @@ impl Ports {
                 "disturbance.side_force",
                 "disturbance.yaw_moment",
             ])?,
-            plant_outputs: plant.reals(["v_x", "r", "true.v_y", "true.v_x"])?,
+            plant_outputs: plant.reals(PLANT_OUTPUTS)?,
             detector: exchange::Ports::find(detector)?,
         })
     }
@@ -388,7 +394,7 @@ impl Rig {
     /// Initialises both for a run of `stop_time_s`; `excitation` is that of time 0.
     ///
     /// # Errors
-    /// [`CosimulationError::Call`].
+    /// [`CosimulationError::Call`], [`CosimulationError::NotFinite`].
     pub fn initialise(
         &mut self,
         stop_time_s: f64,
@@ -401,7 +407,7 @@ impl Rig {
 
         self.detector.setup_experiment(stop_time_s)?;
         self.detector.enter_initialization_mode()?;
-        let [v_x, r, ..] = self.measure()?;
+        let [v_x, r, ..] = self.measure(0.0)?;
         self.excite_detector([v_x, r], excitation)?;
         self.detector.exit_initialization_mode()?;
         Ok(())
@@ -410,20 +416,22 @@ impl Rig {
     /// One communication step from `time_s` on; `excite` is told what the plant shows.
     ///
     /// # Errors
-    /// [`CosimulationError::Call`].
+    /// [`CosimulationError::Call`], [`CosimulationError::NotFinite`].
     pub fn step(
         &mut self,
         time_s: f64,
         step_s: f64,
         excite: impl FnOnce(Seen) -> Excitation,
     ) -> Result<Sample, CosimulationError> {
-        let [v_x, r, lateral_speed, true_v_x] = self.measure()?;
+        let [v_x, r, lateral_speed, true_v_x] = self.measure(time_s)?;
         let excitation = excite(Seen { v_x, true_v_x });
         self.excite_detector([v_x, r], &excitation)?;
         self.excite_plant(&excitation)?;
         self.detector.do_step(time_s, step_s)?;
         self.plant.do_step(time_s, step_s)?;
 
+        let results = self.ports.detector.hear(&self.detector)?;
+        results.finite(time_s)?;
         let Results {
             residual_v_x,
             residual_r,
@@ -438,7 +446,7 @@ impl Rig {
             state,
             state_cause,
             alarm_cause,
-        } = self.ports.detector.hear(&self.detector)?;
+        } = results;
         let Excitation { drive_torque, steering_angle, fault, side_force, yaw_moment } = excitation;
         Ok(Sample {
             time: time_s,
@@ -475,8 +483,10 @@ impl Rig {
         Ok(self.plant.terminate()?)
     }
 
-    fn measure(&self) -> Result<[f64; 4], CallError> {
-        self.plant.get_real(self.ports.plant_outputs)
+    fn measure(&self, time_s: f64) -> Result<[f64; 4], CosimulationError> {
+        let values = self.plant.get_real(self.ports.plant_outputs)?;
+        finite("plant", PLANT_OUTPUTS, values, time_s)?;
+        Ok(values)
     }
 
     fn excite_detector(

@@ -2,6 +2,7 @@
 
 use steerguard_drives::DriveError;
 
+use crate::drive::exchange::NotFinite;
 use crate::drive::figure::PlotError;
 use crate::importer::{CallError, ImportError};
 use crate::output::OutputError;
@@ -18,6 +19,9 @@ pub enum ReplayError {
     /// The detector refused a call or failed.
     #[error(transparent)]
     Call(#[from] CallError),
+    /// The detector gave what is no number.
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
     /// A sample could not be written as CSV.
     #[error("cannot write CSV: {0}")]
     Csv(#[from] csv::Error),

@@ -169,6 +169,7 @@ impl Pass {
         let fault = self.injection.map_or(0.0, |fault| fault.angle_rad(time, actual_rad));
         let inputs = Inputs { steering_angle: recorded.steering_angle - fault, ..*recorded };
         let results = self.detector.step(starts, &inputs)?;
+        results.finite(time)?;
         let row = TraceRow::new(time, piece, fault, &inputs, &results);
         self.tally.add(&row, starts, bench.period_s);
         if self.injection.is_some() {
