@@ -155,6 +155,9 @@ fn entry_names() {
         ("resources//a", "error entry-name"),
         ("./a", "error entry-name"),
         ("resources/a\0b", "error entry-name"),
+        ("resources/a\x07b", "error control-character"),
+        ("modelDescription.xml/a", "error file-and-folder"),
+        ("model.png/", "error file-and-folder"),
         ("resources/\u{fc}", "warning non-ascii-name"),
         ("MODEL.PNG", "warning name-case"),
     ] {
@@ -226,6 +229,36 @@ fn bombs_are_not_unpacked() {
 }
 
 #[test]
+fn a_description_too_large_is_not_examined() {
+    let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, mut bytes) in entries() {
+        if name == "modelDescription.xml" {
+            bytes.resize(33 << 20, b' ');
+        }
+        zip.start_file(name, stored).unwrap();
+        zip.write_all(&bytes).unwrap();
+    }
+    assert_found(&zip.finish().unwrap().into_inner(), "error description-size");
+}
+
+#[test]
+fn declared_sizes_are_those_of_the_contents() {
+    // In the local header, the directory, or both, too small or too large.
+    for size in [0_u8, 6, 8, 200] {
+        let both = with_headers(|local, central| {
+            local[22..26].copy_from_slice(&[size, 0, 0, 0]);
+            central[24..28].copy_from_slice(&[size, 0, 0, 0]);
+        });
+        let codes = found(&both);
+        let noticed = ["error damaged-entry", "error header-mismatch"];
+        assert!(noticed.iter().any(|&code| codes.contains(code)), "{size}: {codes:?}");
+        let directory = with_headers(|_, central| central[24] = size);
+        assert!(!found(&directory).is_empty(), "{size}");
+    }
+}
+
+#[test]
 fn descriptions() {
     assert_found(&changed(|entries| entries.rotate_left(1)), "note description-not-first");
     assert_found(&without("modelDescription.xml"), "error no-description");
@@ -237,6 +270,10 @@ fn descriptions() {
     assert_found(&folder, "error no-description, note no-documentation, note no-icon");
     let latin = edited("modelDescription.xml", |bytes| bytes.extend(b"<!-- \xfc -->"));
     assert_found(&latin, "error description-encoding");
+    assert_found(
+        &described("encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\""),
+        "error declared-encoding, error guid-digest",
+    );
     assert_found(&described("</fmiModelDescription>", ""), "error malformed-xml");
     // The rules on a description have tests of their own; here, that they are applied.
     assert_found(
@@ -366,7 +403,7 @@ fn the_command_reports_and_exits() {
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(
         (&value["errors"], &value["findings"][0]["code"]),
-        (&1.into(), &"parent-path".into())
+        (&2.into(), &"parent-path".into())
     );
     let (code, text, _) = run(&with("../evil\x1b[2J"), &["X.fmu"]);
     assert_eq!(code, Some(1));

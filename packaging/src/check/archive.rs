@@ -54,7 +54,7 @@ struct Rule {
     is_broken_by: fn(&Entry) -> bool,
 }
 
-const RULES: [Rule; 9] = [
+const RULES: [Rule; 10] = [
     Rule {
         code: "entry-name",
         level: Level::Error,
@@ -126,6 +126,13 @@ const RULES: [Rule; 9] = [
         help: "importers disagree on their encoding: use ASCII",
         is_broken_by: |entry| !entry.name.is_ascii(),
     },
+    Rule {
+        code: "control-character",
+        level: Level::Error,
+        what: "has a control character in its name",
+        help: "Windows cannot unpack it, and terminals obey it: rename the entry",
+        is_broken_by: |entry| entry.name.chars().any(|c| c.is_control() && c != '\0'),
+    },
 ];
 
 /// Reads the archive and reports on it; `None` if there is nothing that can be examined further.
@@ -136,8 +143,17 @@ pub(super) fn read(fmu: impl Read + Seek, findings: &mut Findings) -> io::Result
             return Err(error);
         }
         Err(error) => {
-            let message = format!("not a zip archive: {error}");
-            findings.error("not-a-zip", message, "", "an FMU is a zip archive");
+            let message = match error {
+                ZipError::InvalidArchive(_) | ZipError::Io(_) => {
+                    "not a whole zip archive: its directory, the last that an archive has, is not at the \
+                     end of the file"
+                        .into()
+                }
+                other => format!("not a zip archive: {other}"),
+            };
+            let help = "an FMU is a zip archive: the file is something else, is cut short, or has \
+                        something behind its archive; fetch it or write it again";
+            findings.error("not-a-zip", message, "", help);
             return Ok(None);
         }
     };
@@ -211,6 +227,7 @@ fn structure<R: Read + Seek>(
         let message = format!("{:?} differs from another name in upper case only", entry.name);
         findings.warning("name-case", message, "", "they are one file on Windows: rename one");
     }
+    file_and_folder(entries, findings);
     match archive.has_overlapping_entries() {
         Ok(false) => {}
         Ok(true) => {
@@ -231,6 +248,21 @@ fn structure<R: Read + Seek>(
         findings.error("header-mismatch", message, "", "write the archive again");
     }
     true
+}
+
+/// A name that is both a file and a folder: `a` beside `a/` or `a/b`.
+fn file_and_folder(entries: &[Entry], findings: &mut Findings) {
+    let names = entries.iter().map(|entry| entry.name.as_str());
+    let files: BTreeSet<&str> = names.clone().filter(|name| !name.ends_with('/')).collect();
+    // Of long names with many parts, only those that can be unpacked: time stays linear.
+    let folders = names
+        .filter(|name| name.len() < 1024)
+        .flat_map(|name| name.match_indices('/').filter_map(|(at, _)| name.get(..at)));
+    let mut both = folders.filter(|folder| files.contains(folder));
+    if let Some(name) = both.next() {
+        let message = format!("{name:?} is a file and a folder");
+        findings.error("file-and-folder", message, "", "no importer can unpack both: rename one");
+    }
 }
 
 fn place_of_description(contents: &Contents, findings: &mut Findings) {
@@ -320,13 +352,19 @@ fn unpack_entry<R: Read + Seek>(
     let damaged = |error: &dyn std::fmt::Display| Stop::Damaged(error.to_string());
     let mut entry = archive.by_index(index).map_err(|error| damaged(&error))?;
     let packed = entry.compressed_size();
+    let declared = entry.size();
     let mut unpacked: u64 = 0;
     let mut kept = Vec::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
         let length = entry.read(&mut buffer).map_err(|error| damaged(&error))?;
         if length == 0 {
-            return Ok(kept);
+            return match unpacked == declared {
+                true => Ok(kept),
+                false => Err(Stop::Damaged(format!(
+                    "{declared} bytes are declared, {unpacked} are there"
+                ))),
+            };
         }
         unpacked += length as u64;
         *left = left.checked_sub(length as u64).ok_or_else(|| {

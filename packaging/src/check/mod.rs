@@ -41,6 +41,7 @@ fn description(contents: &Contents, findings: &mut Findings) {
         findings.error("description-encoding", "the description is not UTF-8", DESCRIPTION, help);
         return;
     };
+    declared_encoding(text, DESCRIPTION, findings);
     findings.list.extend(xml::lint(text));
     // What is no XML has been found above.
     if let Ok(header) = xml::header(text) {
@@ -51,11 +52,29 @@ fn description(contents: &Contents, findings: &mut Findings) {
     }
 }
 
+/// An XML declaration that names another encoding than the file, which is UTF-8, has.
+fn declared_encoding(text: &str, at: &str, findings: &mut Findings) {
+    let declaration = text.trim_start_matches('\u{feff}').strip_prefix("<?xml");
+    let Some((declaration, _)) = declaration.and_then(|rest| rest.split_once("?>")) else { return };
+    let Some((_, value)) = declaration.split_once("encoding") else { return };
+    let encoding = value.split(['"', '\'']).nth(1).unwrap_or_default();
+    let is_true = encoding.eq_ignore_ascii_case("UTF-8")
+        || encoding.eq_ignore_ascii_case("US-ASCII") && text.is_ascii();
+    if !is_true {
+        let message = format!("the XML declaration says {encoding:?}, the file is UTF-8");
+        let help = "importers that believe it read wrong names, or nothing: declare UTF-8";
+        findings.error("declared-encoding", message, at, help);
+    }
+}
+
 /// The terminals of an FMU of FMI 3.0, if it has any.
 fn terminals(contents: &Contents, description: &str, findings: &mut Findings) {
     let Some(bytes) = contents.files.get(TERMINALS) else { return };
     match std::str::from_utf8(bytes) {
-        Ok(text) => findings.list.extend(xml::lint_terminals(text, description)),
+        Ok(text) => {
+            declared_encoding(text, TERMINALS, findings);
+            findings.list.extend(xml::lint_terminals(text, description));
+        }
         Err(_) => {
             let message = "the file is not UTF-8";
             findings.error("description-encoding", message, TERMINALS, "save it as UTF-8");
