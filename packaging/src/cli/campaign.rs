@@ -9,7 +9,7 @@ use steerguard_designer::{Design, DesignStatus};
 use steerguard_model_description::names;
 
 use super::package::{self, caution};
-use super::print::print;
+use super::print::{print, print_file};
 use super::{input, simulate, worst};
 use crate::campaign::folder::Folder;
 use crate::campaign::report::Report;
@@ -165,7 +165,7 @@ fn drive_one(
         samples,
     };
     let text = String::from_utf8(csv(&run).map_err(Failure::bad)?).map_err(Failure::bad)?;
-    print(json, &Row { drive: DriveRecord::from(&drive), outcome }, &text)?;
+    print_file(json, &Row { drive: DriveRecord::from(&drive), outcome }, &text)?;
     Ok(Exit::Done)
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 use steerguard_designer::Spec;
 
-use super::print::print;
+use super::print::{print, print_file};
 use super::{input, package};
 use steerguard_model_description::names;
 
@@ -30,7 +30,7 @@ struct Simulated {
 
 pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Failure> {
     if arguments.print_scenario {
-        print(json, &Scenario::default(), DOCUMENTED)?;
+        print_file(json, &Scenario::default(), DOCUMENTED)?;
         return Ok(Exit::Done);
     }
     let scenario = match &arguments.scenario {

@@ -5,6 +5,7 @@
 //! regular file, a device or a pipe, is written into. Where that is the standard output, results go to the standard
 //! error output instead ([`is_taken`]).
 
+pub mod lines;
 mod place;
 pub mod table;
 pub mod temporary;

@@ -264,7 +264,7 @@ impl DesignSummary {
         let mut text = aligned(&rows, "  ");
         if self.threshold_kind == ThresholdKind::Adaptive {
             text += "  J_th in steady driving by cause, x 1e-3\n";
-            text += &aligned(&cause_rows(&self.threshold_by_cause), "    ");
+            text += &aligned(&transposed(&cause_rows(&self.threshold_by_cause)), "    ");
         }
         if let Some(sight) = &self.sight {
             text += &format!("  {}\n", sight::HEADING);
@@ -406,6 +406,13 @@ pub fn cause_rows(points: &[SteadyThreshold]) -> Vec<Vec<String>> {
         cells.chain(levels.map(|j| format!("{:.2}", 1e3 * j))).collect()
     });
     std::iter::once(head.map(String::from).collect()).chain(rows).collect()
+}
+
+/// The table with a row a column: what is told of a point stands below it.
+fn transposed(rows: &[Vec<String>]) -> Vec<Vec<String>> {
+    let columns = rows.first().map_or(0, Vec::len);
+    let cell = |row: &Vec<String>, column: usize| row.get(column).cloned().unwrap_or_default();
+    (0..columns).map(|column| rows.iter().map(|row| cell(row, column)).collect()).collect()
 }
 
 /// A status in words.

@@ -12,6 +12,7 @@ use steerguard_test_support::once::made_once;
 pub fn steerguard(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_steerguard"))
         .current_dir(folder)
+        .env_remove("COLUMNS")
         .args(arguments)
         .output()
         .unwrap()
