@@ -178,6 +178,8 @@ def test_a_killed_main_process_goes_on(steerguard, design_file, one_machine, tmp
         time.sleep(0.05)
     before = blocks(folder)
     assert 2 <= len(before) < BLOCKS
+    left = folder / "blocks" / ".steerguard-left"
+    left.write_text("half")
     assert not (folder / "results.parquet").exists()
 
     code, out, err = finished(started(design_file, arguments))
@@ -185,6 +187,7 @@ def test_a_killed_main_process_goes_on(steerguard, design_file, one_machine, tmp
     assert before.items() <= blocks(folder).items(), "blocks were driven twice"
     assert json.loads(out)["throughput"] is None, "blocks were driven by the main process"
     assert_same(folder, one_machine)
+    assert not left.exists(), "what a killed process left is swept"
 
     # Nothing is left to do, and no cluster is started for it.
     code, _, err = finished(started(design_file, [*arguments[:-1], "--scheduler", "tcp://0:1"]))
@@ -195,12 +198,17 @@ def test_a_killed_main_process_goes_on(steerguard, design_file, one_machine, tmp
     assert_same(folder, one_machine)
 
 
-def test_a_scheduler_that_goes_is_told_of(steerguard, design_file, tmp_path):
+def test_a_scheduler_that_goes_is_told_of_and_another_goes_on(
+    steerguard, design_file, one_machine, tmp_path
+):
     folder = tmp_path / "campaign"
-    with cluster(tmp_path) as dask:
+    usual = [*CAMPAIGN, "--command", steerguard, "--shards", BLOCKS, "-o", folder, "--scheduler"]
+    first, second = tmp_path / "first", tmp_path / "second"
+    first.mkdir()
+    second.mkdir()
+    with cluster(first) as dask:
         dask.worker()
-        arguments = [*CAMPAIGN, "--command", steerguard, "--scheduler", dask.address]
-        running = started(design_file, [*arguments, "-o", folder])
+        running = started(design_file, [*usual, dask.address])
         until(lambda: blocks(folder), running)
         dask.processes[0].kill()
         code, _, err = finished(running)
@@ -208,6 +216,22 @@ def test_a_scheduler_that_goes_is_told_of(steerguard, design_file, tmp_path):
     assert "error: the scheduler has gone" in err, err
     assert "goes on" in err
     assert "Traceback" not in err
+
+    # On another cluster, whose only worker dies; then one comes to it.
+    before = blocks(folder)
+    assert 0 < len(before) < BLOCKS
+    with cluster(second) as dask:
+        victim = dask.worker()
+        running = started(design_file, [*usual, dask.address, "--json"])
+        [orphan] = until(lambda: stopped(victim.pid), running)
+        victim.kill()
+        orphan.kill()
+        dask.worker()
+        code, out, err = finished(running)
+    assert code == 0, err
+    assert before.items() <= blocks(folder).items(), "blocks were driven twice"
+    assert json.loads(out)["throughput"] is None, "blocks were driven by the main process"
+    assert_same(folder, one_machine)
 
 
 def test_a_specification_is_designed_first(steerguard, design_file, tmp_path):
@@ -295,13 +319,29 @@ def test_the_installed_command_is_this_one():
         sys.path.remove(str(PACKAGE))
 
 
-def test_what_workers_send_is_looked_at_before_it_is_stored(tmp_path):
+def modules():
+    """`command` and `failure` of the package."""
     sys.path.insert(0, str(PACKAGE))
     try:
-        command = importlib.import_module("steerguard_campaign.command")
-        failure = importlib.import_module("steerguard_campaign.failure")
+        return [importlib.import_module(f"steerguard_campaign.{name}") for name in ("command", "failure")]
     finally:
         sys.path.remove(str(PACKAGE))
+
+
+def test_what_nobody_holds_is_swept(tmp_path):
+    command, _ = modules()
+    held, left, other = (tmp_path / name for name in (".steerguard-held", ".steerguard-left", "other"))
+    for path in (held, left, other):
+        path.write_text("half")
+    with open(held, "rb") as file:
+        assert command.lock(file, wait=True)
+        command.sweep(tmp_path)
+    assert held.exists() and other.exists() and not left.exists()
+    command.sweep(tmp_path / "none")
+
+
+def test_what_workers_send_is_looked_at_before_it_is_stored(tmp_path):
+    command, failure = modules()
     here = SimpleNamespace(output=tmp_path / "c")
     (here.output / "blocks").mkdir(parents=True)
     rows = b'{"campaign":"0","rows":[]'
@@ -317,4 +357,4 @@ def test_what_workers_send_is_looked_at_before_it_is_stored(tmp_path):
     ]:
         with pytest.raises(failure.Failure, match="no block"):
             command.Campaign.store(here, {name: data})
-    assert [path.name for path in tmp_path.rglob("*.json")] == ["000001.json"]
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["000001.json"]

@@ -7,10 +7,17 @@ import re
 import shutil
 import subprocess
 import tempfile
+from contextlib import suppress
 from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # no POSIX: nothing is locked, and nothing swept
+    fcntl = None
 
 from .failure import Failure, Refusal
 
+TEMPORARY = ".steerguard-"  # what names of temporary files begin with, here as of the command
 OF_WORKERS = "workers need the `steerguard` command of this build, and memory and disks that are sound"
 
 
@@ -53,6 +60,7 @@ class Campaign:
         except Refusal as refusal:
             raise Refusal(drawn(str(refusal)), refusal.exit_code) from refusal
         prepared = json.loads(text)
+        sweep(self.output / "blocks")
         return prepared["blocks"], set(prepared["missing_blocks"])
 
     def manifest(self):
@@ -70,12 +78,17 @@ class Campaign:
                 raise Failure(f"a worker sent {name!r}, which is no block", OF_WORKERS)
         try:
             for name, data in blocks.items():
-                temporary = folder / f".steerguard.{os.getpid()}-{name}"
-                with open(temporary, "wb") as file:
-                    file.write(data)
-                    file.flush()
-                    os.fsync(file.fileno())
-                os.replace(temporary, folder / name)
+                with tempfile.NamedTemporaryFile(prefix=TEMPORARY, dir=folder, delete=False) as file:
+                    try:
+                        lock(file, wait=True)
+                        file.write(data)
+                        file.flush()
+                        os.fsync(file.fileno())
+                        os.chmod(file.name, 0o666 & ~umask())
+                        os.replace(file.name, folder / name)
+                    except BaseException:
+                        Path(file.name).unlink(missing_ok=True)
+                        raise
         except OSError as error:
             raise Failure(f"cannot write to `{folder}`: {error.strerror}") from error
 
@@ -115,6 +128,32 @@ def drawn(refusal):
         for kind in ("notes", "help"):
             lines += [f"{kind.rstrip('s')}: {text}" for text in diagnostic.get(kind) or []]
     return "\n".join(lines)
+
+
+def lock(file, wait):
+    """Whether this process now holds the lock of an open file; as the command does for what is temporary."""
+    if fcntl is None:
+        return wait
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except OSError:
+        return wait  # a file system without locks
+    return True
+
+
+def umask():
+    """The permissions that new files do not get."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def sweep(folder):
+    """Removes temporary files in `folder` that nobody holds: a process that was killed left them."""
+    for path in folder.glob(f"{TEMPORARY}*"):
+        with suppress(OSError), open(path, "rb") as file:
+            if lock(file, wait=False):
+                path.unlink()
 
 
 def is_whole(block):
