@@ -46,6 +46,18 @@ fn remove(path: &Path) {
     let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
 }
 
+/// Whether `path` is inside a folder that there is at the moment.
+pub(super) fn holds(path: &Path) -> bool {
+    live().iter().any(|folder| path.starts_with(folder))
+}
+
+/// What went wrong in the folder where temporary files belong, with what to do.
+pub(super) fn elsewhere(error: &io::Error) -> io::Error {
+    let folder = std::env::temp_dir();
+    let message = format!("in `{}` (TMPDIR names another folder): {error}", folder.display());
+    io::Error::new(error.kind(), message)
+}
+
 /// An entry of [`LIVE`].
 #[derive(Debug)]
 struct Entry(PathBuf);
@@ -116,11 +128,8 @@ impl TemporaryFolder {
     pub fn new() -> io::Result<Self> {
         let parent = std::env::temp_dir();
         sweep(&parent, FOLDER, |path| File::open(path.join(LOCK)).ok());
-        let folder = Builder::new().prefix(FOLDER).tempdir_in(&parent).map_err(|error| {
-            let message =
-                format!("in `{}` (TMPDIR names another folder): {error}", parent.display());
-            io::Error::new(error.kind(), message)
-        })?;
+        let folder =
+            Builder::new().prefix(FOLDER).tempdir_in(&parent).map_err(|error| elsewhere(&error))?;
         let entry = Entry::new(folder.path());
         let unlocked = folder.path().join(UNLOCKED);
         let lock = File::create(&unlocked)?;
