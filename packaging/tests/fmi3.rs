@@ -91,6 +91,7 @@ fn the_same_design_gives_the_same_bytes_and_no_finding() {
         "documentation/licenses/LICENSE-MIT".into(),
         "documentation/licenses/crc.txt".into(),
         "documentation/licenses/libm.txt".into(),
+        "documentation/sbom.cdx.json".into(),
         "extra/SteeringFaultDetector_in.csv".into(),
         "extra/SteeringFaultDetector_ref.csv".into(),
         DESCRIPTION.into(),

@@ -85,6 +85,7 @@ fn the_archive_holds_what_an_fmu_holds() {
                 "documentation/licenses/LICENSE-MIT",
                 "documentation/licenses/crc.txt",
                 "documentation/licenses/libm.txt",
+                "documentation/sbom.cdx.json",
                 &format!("extra/{identifier}_in.csv"),
                 &format!("extra/{identifier}_ref.csv"),
                 "model.png",

@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod bake;
+pub mod bill;
 pub mod package;
 pub mod reference;
 pub mod runtime;

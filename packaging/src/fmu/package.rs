@@ -14,6 +14,7 @@ use steerguard_plant::PlantModel;
 use crate::drive::figure::PlotError;
 use crate::fmu::archive::Archive;
 use crate::fmu::bake::{BakeError, bake};
+use crate::fmu::bill::{self, BillError};
 use crate::fmu::reference;
 use crate::fmu::runtime::Runtimes;
 use crate::fmu::slices;
@@ -67,6 +68,9 @@ pub enum PackageError {
     /// A figure of the documentation cannot be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
+    /// What a library links is not known.
+    #[error("bill of materials: {0}")]
+    Bill(#[from] BillError),
     /// Description or archive cannot be written.
     #[error(transparent)]
     Write(#[from] io::Error),
@@ -100,6 +104,7 @@ pub fn detector_fmi3(
     let model = DetectorModel::new(&payload).map_err(PackageError::Model)?;
     let mut parts = detector_parts(design, record, &payload)?;
     parts.about.push(documentation::detector_fmi3());
+    parts.linked = &["steerguard-fmi3", "steerguard-fmi3-cdylib", "steerguard-fmu"];
     for (_, table) in &mut parts.reference {
         *table = reference::with_arrays::<DetectorVariable>(table);
     }
@@ -126,6 +131,7 @@ fn detector_parts<'a>(
 ) -> Result<Parts<'a>, PackageError> {
     Ok(Parts {
         payload,
+        linked: &["steerguard-fmi2", "steerguard-fmu", "steerguard-fmu-cdylib"],
         step_s: design.configuration.model.sampling_period_s,
         about: documentation::detector(design, record)?,
         reference: reference::detector(&design.configuration)
@@ -143,6 +149,12 @@ pub fn plant_fmu(runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
     model.get(PlantVariable::InitialSpeedX).store_real(&mut speed_m_per_s);
     let parts = Parts {
         payload: &[],
+        linked: &[
+            "steerguard-fmi2",
+            "steerguard-plant",
+            "steerguard-plant-cdylib",
+            "steerguard-world",
+        ],
         step_s: PLANT_STEP_S,
         about: documentation::plant(),
         reference: reference::plant(&Vehicle::PAPER, speed_m_per_s, PLANT_STEP_S),
@@ -153,6 +165,8 @@ pub fn plant_fmu(runtimes: &Runtimes) -> Result<Vec<u8>, PackageError> {
 /// What tells the FMU of one model from that of another.
 struct Parts<'a> {
     payload: &'a [u8],
+    /// Packages of ours that its library links, and no other does.
+    linked: &'static [&'static str],
     /// Communication step to propose, s.
     step_s: f64,
     /// The model's part of the documentation.
@@ -201,6 +215,7 @@ fn archive<M: Model>(
     for (name, text) in LICENCES {
         archive.insert(format!("documentation/licenses/{name}"), text);
     }
+    archive.insert(bill::BILL, bill::bill(M::INFO.identifier, parts.linked)?);
     for (name, table) in &parts.reference {
         archive.insert(format!("extra/{}{name}", M::INFO.identifier), table.as_bytes());
     }
