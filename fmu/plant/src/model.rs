@@ -337,7 +337,8 @@ impl Model for PlantModel {
             });
             return Status::Error;
         }
-        self.step += 1;
+        // A restored state may say anything.
+        self.step = self.step.wrapping_add(1);
         self.sample_sensors();
         Status::Ok
     }
