@@ -3,32 +3,36 @@
 use std::ptr;
 
 /// The string of bytes, with zeros after its end.
-pub(super) struct Bytes<'a>(pub(super) &'a [u8]);
+pub struct Bytes<'a>(pub &'a [u8]);
 
 impl Bytes<'_> {
-    pub(super) fn byte(&mut self) -> u8 {
+    /// The next, 0 at the end.
+    pub fn byte(&mut self) -> u8 {
         self.0.split_off_first().copied().unwrap_or(0)
     }
 
-    pub(super) fn below(&mut self, n: usize) -> usize {
+    /// A number from 0 to before `n`.
+    pub fn below(&mut self, n: usize) -> usize {
         usize::from(self.byte()) % n
     }
 
     /// True once in `n` times.
-    pub(super) fn rarely(&mut self, n: usize) -> bool {
+    pub fn rarely(&mut self, n: usize) -> bool {
         self.below(n) == n - 1
     }
 
-    pub(super) fn choice<T: Copy>(&mut self, items: &[T]) -> T {
+    /// One of `items`.
+    pub fn choice<T: Copy>(&mut self, items: &[T]) -> T {
         items[self.below(items.len())]
     }
 
     /// From -1 to 1.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (f64::from(self.byte()) - 127.5) / 127.5
     }
 
-    pub(super) fn real(&mut self) -> f64 {
+    /// Any real, often a plausible one.
+    pub fn real(&mut self) -> f64 {
         match self.below(4) {
             0 => self.choice(&[
                 0.0,
@@ -54,7 +58,8 @@ impl Bytes<'_> {
         }
     }
 
-    pub(super) fn integer(&mut self) -> i32 {
+    /// Any integer, often a small one.
+    pub fn integer(&mut self) -> i32 {
         match self.below(3) {
             0 => self.choice(&[0, 1, -1, 2, 3, i32::MAX, i32::MIN, 1_000_000, 1_000_001]),
             1 => self.below(8) as i32,
@@ -63,7 +68,7 @@ impl Bytes<'_> {
     }
 
     /// Where a step may begin or end.
-    pub(super) fn time(&mut self, now: f64, period: f64) -> f64 {
+    pub fn time(&mut self, now: f64, period: f64) -> f64 {
         match self.below(8) {
             0 => self.real(),
             1 => now + period * self.unit(),
@@ -74,16 +79,17 @@ impl Bytes<'_> {
 }
 
 /// NULL in place of `pointer` once in a while.
-pub(super) fn or_null<T>(bytes: &mut Bytes<'_>, pointer: *const T) -> *const T {
+pub fn or_null<T>(bytes: &mut Bytes<'_>, pointer: *const T) -> *const T {
     if bytes.rarely(12) { ptr::null() } else { pointer }
 }
 
-pub(super) fn or_null_mut<T>(bytes: &mut Bytes<'_>, pointer: *mut T) -> *mut T {
+/// The same of one to be written to.
+pub fn or_null_mut<T>(bytes: &mut Bytes<'_>, pointer: *mut T) -> *mut T {
     if bytes.rarely(12) { ptr::null_mut() } else { pointer }
 }
 
 /// Bytes of a run: SplitMix64 from its number, 200 to 2200 of them.
-pub(super) fn random_bytes(run: u64) -> Vec<u8> {
+pub fn random_bytes(run: u64) -> Vec<u8> {
     let mut state = run.wrapping_mul(0xD134_2543_DE82_EF95);
     let mut next = || {
         state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);

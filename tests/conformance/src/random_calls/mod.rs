@@ -13,7 +13,7 @@
 //! - What C cannot check is never done: no dangling pointers, no arrays shorter than announced.
 //! - At most [`MAX_INSTANCES`] instances live at a time, interleaved.
 
-mod bytes;
+pub mod bytes;
 mod others;
 mod states;
 mod steps;
