@@ -59,7 +59,11 @@ impl Folder {
         let manifest = serde_json::to_string_pretty(manifest)? + "\n";
         let digest = hex(&Sha256::digest(&manifest));
         let file = path.join("campaign.json");
-        output::create_folder(&path.join("blocks"))?;
+        let blocks = path.join("blocks");
+        output::create_folder(&blocks)?;
+        // Where nothing is missing, nothing is written that would sweep them.
+        output::temporary::sweep_files(path);
+        output::temporary::sweep_files(&blocks);
         match bounded::read_text(&file) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 output::write(&file, manifest.as_bytes())?;

@@ -39,8 +39,7 @@ pub struct OutputError {
 impl OutputError {
     fn at(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
         |source| {
-            let source =
-                if temporary::holds(path) { temporary::elsewhere(&source) } else { source };
+            let source = if temporary::holds(path) { temporary::elsewhere(source) } else { source };
             Self { path: path.to_owned(), source }
         }
     }

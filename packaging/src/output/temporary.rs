@@ -52,7 +52,7 @@ pub(super) fn holds(path: &Path) -> bool {
 }
 
 /// What went wrong in the folder where temporary files belong, with what to do.
-pub(super) fn elsewhere(error: &io::Error) -> io::Error {
+pub(super) fn elsewhere(error: io::Error) -> io::Error {
     let folder = std::env::temp_dir();
     let message = format!("in `{}` (TMPDIR names another folder): {error}", folder.display());
     io::Error::new(error.kind(), message)
@@ -85,7 +85,7 @@ pub(super) struct TemporaryFile {
 impl TemporaryFile {
     /// A file in `folder`.
     pub fn new(folder: &Path) -> io::Result<Self> {
-        sweep(folder, FILE, |path| File::open(path).ok());
+        sweep_files(folder);
         loop {
             let mut builder = Builder::new();
             builder.prefix(FILE);
@@ -127,22 +127,43 @@ impl TemporaryFolder {
     /// If there can be none.
     pub fn new() -> io::Result<Self> {
         let parent = std::env::temp_dir();
-        sweep(&parent, FOLDER, |path| File::open(path.join(LOCK)).ok());
-        let folder =
-            Builder::new().prefix(FOLDER).tempdir_in(&parent).map_err(|error| elsewhere(&error))?;
-        let entry = Entry::new(folder.path());
-        let unlocked = folder.path().join(UNLOCKED);
-        let lock = File::create(&unlocked)?;
-        if lock.lock().is_ok() {
-            fs::rename(unlocked, folder.path().join(LOCK))?;
+        sweep(&parent, FOLDER, lock_of);
+        loop {
+            let folder = Builder::new().prefix(FOLDER).tempdir_in(&parent).map_err(elsewhere)?;
+            let entry = Entry::new(folder.path());
+            match locked_inside(folder.path()) {
+                Ok(lock) => return Ok(Self { folder, _lock: lock, _entry: entry }),
+                // Another command has taken it for a left-over before it was locked.
+                Err(_) if !folder.path().exists() => {}
+                Err(error) => return Err(elsewhere(error)),
+            }
         }
-        Ok(Self { folder, _lock: lock, _entry: entry })
     }
 
     /// Its path.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
+}
+
+/// The lock file in `folder`, locked.
+fn locked_inside(folder: &Path) -> io::Result<File> {
+    let unlocked = folder.join(UNLOCKED);
+    let lock = File::create(&unlocked)?;
+    if lock.lock().is_ok() {
+        fs::rename(unlocked, folder.join(LOCK))?;
+    }
+    Ok(lock)
+}
+
+/// The lock file in `folder`, be it that its command was killed before it was locked.
+fn lock_of(folder: &Path) -> Option<File> {
+    [LOCK, UNLOCKED].iter().find_map(|name| File::open(folder.join(name)).ok())
+}
+
+/// Removes the files that killed commands have left in `folder`.
+pub fn sweep_files(folder: &Path) {
+    sweep(folder, FILE, |path| File::open(path).ok());
 }
 
 /// Removes, the first time that it is asked to, what is left over in `folder` under names that begin with `prefix` and
@@ -194,10 +215,12 @@ mod tests {
         let (held, lock) = made("held");
         lock.lock().unwrap();
         let (left, _) = made("left");
+        let (early, _) = made("early");
+        fs::rename(early.join(LOCK), early.join(UNLOCKED)).unwrap();
         let (foreign, _) = made("foreign");
         fs::remove_file(foreign.join(LOCK)).unwrap();
-        sweep(parent.path(), FOLDER, |path| File::open(path.join(LOCK)).ok());
-        assert!(held.exists() && !left.exists() && foreign.exists());
+        sweep(parent.path(), FOLDER, lock_of);
+        assert!(held.exists() && !left.exists() && !early.exists() && foreign.exists());
     }
 
     #[test]
