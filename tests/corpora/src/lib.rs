@@ -13,8 +13,11 @@ mod fmi3;
 mod state;
 mod unsolved;
 
+/// Takes bytes, and panics where a promise is broken.
+pub type Target = fn(&[u8]);
+
 /// What is fuzzed, by name.
-pub const TARGETS: [(&str, fn(&[u8])); 10] = [
+pub const TARGETS: [(&str, Target); 10] = [
     ("specification", files::specification),
     ("scenario", files::scenario),
     ("design", files::design),
@@ -31,7 +34,7 @@ pub const TARGETS: [(&str, fn(&[u8])); 10] = [
 ///
 /// # Panics
 /// If there is none.
-pub fn target(name: &str) -> fn(&[u8]) {
+pub fn target(name: &str) -> Target {
     let found = TARGETS.iter().find(|(of, _)| *of == name);
     found.unwrap_or_else(|| panic!("there is no target `{name}`")).1
 }
