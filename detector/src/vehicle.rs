@@ -12,24 +12,24 @@ pub const GRAVITY_M_PER_S2: f64 = 9.80665;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
 pub struct Vehicle {
-    /// M_v, kg.
+    /// Mass M_v, kg.
     pub mass_kg: f64,
-    /// I_z, kg m^2.
+    /// Yaw moment of inertia I_z, kg m^2.
     pub yaw_inertia_kg_m2: f64,
-    /// I_e, kg m: mass times effective wheel radius, so that T_eng / I_e is an acceleration
-    /// (the paper's "kg m^2" is corrected: method 1).
+    /// Effective longitudinal inertia I_e, kg m: mass times effective wheel radius, so that
+    /// T_eng / I_e is an acceleration (the paper's "kg m^2" is corrected: method 1).
     pub effective_longitudinal_inertia_kg_m: f64,
-    /// l_f, m: centre of gravity to front axle.
+    /// Distance l_f from the centre of gravity to the front axle, m.
     pub front_axle_distance_m: f64,
-    /// l_r, m: centre of gravity to rear axle.
+    /// Distance l_r from the centre of gravity to the rear axle, m.
     pub rear_axle_distance_m: f64,
-    /// C_f, N/rad, of one front tyre.
+    /// Cornering stiffness C_f of one front tyre, N/rad.
     pub front_cornering_stiffness_n_per_rad: f64,
-    /// C_r, N/rad, of one rear tyre.
+    /// Cornering stiffness C_r of one rear tyre, N/rad.
     pub rear_cornering_stiffness_n_per_rad: f64,
-    /// C_x, N m/(m/s)^2: C_x v_x^2 is the drag's torque at the wheels.
+    /// Longitudinal drag C_x, N m/(m/s)^2: C_x v_x^2 is a torque at the wheels.
     pub longitudinal_drag_n_m_s2_per_m2: f64,
-    /// C_y, N/(m/s)^2: C_y v_y^2 is a force.
+    /// Lateral drag C_y, N/(m/s)^2: C_y v_y^2 is a force.
     pub lateral_drag_n_s2_per_m2: f64,
     /// Height of the centre of gravity above the road, m, not negative; 0 for no transfer of axle load.
     pub centre_of_gravity_height_m: f64,
