@@ -47,13 +47,14 @@ fn assert_found(fmu: &[u8], expected: &str) {
 
 fn entries() -> Entries {
     let mut zip = ZipArchive::new(Cursor::new(&*FMU)).unwrap();
+    let count = zip.len();
     let entry = |index| {
         let mut entry = zip.by_index(index).unwrap();
         let mut bytes = Vec::new();
         entry.read_to_end(&mut bytes).unwrap();
         (entry.name().unwrap().into_owned(), bytes)
     };
-    (0..10).map(entry).collect()
+    (0..count).map(entry).collect()
 }
 
 fn zipped(entries: &Entries) -> Vec<u8> {

@@ -47,7 +47,7 @@ pub(super) fn spec(path: &Path) -> Result<Spec, Failure> {
     if is_design(path) {
         return Design::spec_from_json(&read_text(path)?).map_err(|error| unreadable(error, path));
     }
-    let help = "examples/paper.toml explains every key and states its default";
+    let help = "`steerguard init` writes a file that explains every key and states its default";
     document(path, help, Spec::from_toml)
 }
 
