@@ -211,6 +211,26 @@ fn another_vehicle_range_and_period_is_proven() {
     assert!(design.performance.certified.is_some());
 }
 
+/// One of the fleet, for which the start-up's own programme has no solution that passes its check: what proves the
+/// decay bounds the residual too.
+#[test]
+fn a_start_is_bounded_by_what_proves_the_decay() {
+    let design = designed(
+        "[vehicle]
+        mass_kg = 1225.9
+        yaw_inertia_kg_m2 = 1538.9
+        effective_longitudinal_inertia_kg_m = 1225.9
+        front_axle_distance_m = 0.8839
+        rear_axle_distance_m = 1.5088
+        front_cornering_stiffness_n_per_rad = 91423.20000000001
+        rear_cornering_stiffness_n_per_rad = 58430.4",
+    );
+    let verdict = verify(&design.to_json().unwrap()).unwrap();
+    assert!(verdict.is_certified());
+    assert_eq!(design.detector.evaluation.start_up_decay, design.performance.decay);
+    assert!(design.threshold.start_up.margin.holds());
+}
+
 #[test]
 fn unstable_error_dynamics_have_no_certificate() {
     let theorem = papers_theorem();

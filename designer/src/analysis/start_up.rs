@@ -39,6 +39,8 @@ const DECAY_RATES: u32 = 12;
 const MARGIN: f64 = 1e-7;
 /// Units of e_2 tried, in those that balance the dynamics.
 const UNITS: [f64; 5] = [1.0, 0.125, 8.0, 0.015625, 64.0];
+/// More than what P_i have to be multiplied by.
+const MULTIPLIED: f64 = 1.001;
 /// Makes up for the rounding of the amplitude.
 const ROUNDED_UP: f64 = 1.0 + 16.0 * f64::EPSILON;
 /// Longest start-up considered, samples.
@@ -94,10 +96,14 @@ pub fn of_vehicles(
 /// The bound whose term of the threshold sinks below `negligible` soonest, among decay rates up to
 /// `slowest`; `evaluation` gives window and weights, `v_y` the largest lateral speed at the start. The term
 /// is no less than `at_least`, J at the samples after a start, where that is not negligible.
-/// None where no decay rate has a bound that passes its check.
+///
+/// Where the programme has no solution that passes its check, the P_i that prove the decay `slowest` of the error, in
+/// SI, are multiplied until they bound the residual too: a bound as well, though not the smallest.
+/// None where these do not pass either.
 pub fn bound(
     dynamics: &ErrorDynamics,
     slowest: f64,
+    p_s: &[Matrix; RULES],
     evaluation: &Evaluation,
     v_y: f64,
     at_least: &[f64],
@@ -108,12 +114,19 @@ pub fn bound(
         .map(|step| radius + (slowest - radius) * f64::from(step) / f64::from(DECAY_RATES));
     // Where the balanced unit has no bound that passes its check, another may.
     let s = balance(dynamics);
+    let raised = |bound: StartUpBound| bound.raised_to(at_least, negligible, evaluation);
     let bounds = rates.filter_map(|decay| {
-        let at = |factor: f64| bound_at(dynamics, decay, evaluation.weights, v_y, factor * s);
-        let bound = UNITS.into_iter().find_map(at)?;
-        Some(bound.raised_to(at_least, negligible, evaluation))
+        let smallest = |factor: f64| {
+            Programme::new(dynamics, decay, evaluation.weights, v_y, factor * s).smallest()
+        };
+        UNITS.into_iter().find_map(smallest).map(raised)
     });
-    bounds.min_by_key(|bound| samples_until(negligible, bound, evaluation))
+    bounds.min_by_key(|bound| samples_until(negligible, bound, evaluation)).or_else(|| {
+        let multiplied = |factor: f64| {
+            Programme::new(dynamics, slowest, evaluation.weights, v_y, factor * s).multiplied(p_s)
+        };
+        UNITS.into_iter().find_map(multiplied).map(raised)
+    })
 }
 
 impl StartUpBound {
@@ -156,49 +169,76 @@ fn samples_until(negligible: f64, bound: &StartUpBound, evaluation: &Evaluation)
     last_above
 }
 
-/// The smallest bound for one decay rate, found with e_2 in units of s.
-fn bound_at(
-    dynamics: &ErrorDynamics,
+/// What a bound of one decay rate has to satisfy, with e_2 in units of s.
+struct Programme {
+    dynamics: ErrorDynamics,
     decay: f64,
-    weights: [f64; 2],
+    /// `C' W_r^2 C`, in units of the larger weight squared.
+    output: Matrix,
+    /// The larger weight.
+    unit: f64,
     v_y: f64,
     s: f64,
-) -> Option<StartUpBound> {
-    let dynamics = &scaled(dynamics, s);
-    let unit = weights[0].max(weights[1]);
-    let w_c = Matrix::from_fn(2, 3, |row, column| weights[row] / unit * matrix(&C)[(row, column)]);
-    let output = w_c.transpose() * w_c;
-    let e_2 = Matrix::from_column_slice(3, 1, &[0.0, 1.0, 0.0]);
+}
 
-    let mut variables = Variables::default();
-    let p: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
-    let largest = variables.scalar();
-    let mut inequalities = conditions(dynamics, decay, &output, &p);
-    for inequality in &mut inequalities {
-        *inequality = &*inequality - &(Matrix::identity(3, 3) * MARGIN).into();
-    }
-    inequalities.extend(p.iter().map(|p| &largest - &(&e_2.transpose() * &(p * &e_2))));
-    let solution = minimise(&variables, &largest, &inequalities).ok()?;
-    if !solution.is_candidate() {
-        return None;
+impl Programme {
+    fn new(dynamics: &ErrorDynamics, decay: f64, weights: [f64; 2], v_y: f64, s: f64) -> Self {
+        let unit = weights[0].max(weights[1]);
+        let c = matrix(&C);
+        let w_c = Matrix::from_fn(2, 3, |row, column| weights[row] / unit * c[(row, column)]);
+        let output = w_c.transpose() * w_c;
+        Self { dynamics: scaled(dynamics, s), decay, output, unit, v_y, s }
     }
 
-    // From here on numbers only: the solver's account is not used.
-    let p = p.map(|p| p.at(&solution.x));
-    let largest = p.iter().map(|p| p[(1, 1)]).fold(0.0, f64::max);
-    let constant = p.each_ref().map(|p| Affine::from(p.clone()));
-    let p_norm = p.iter().map(Matrix::norm).fold(0.0, f64::max);
-    let n_norm = dynamics.iter().flatten().map(Matrix::norm).fold(1.0, f64::max);
-    let margin = Margin::of(
-        &conditions(dynamics, decay, &output, &constant),
-        1.0 + p_norm * (1.0 + n_norm * n_norm),
-    );
-    margin.holds().then(|| StartUpBound {
-        amplitude: unit * largest.sqrt() / s * v_y * ROUNDED_UP,
-        decay,
-        p: p.map(|p| in_units(&p, 1.0 / s, 1.0 / s) * (unit * unit)),
-        margin,
-    })
+    /// The smallest bound.
+    fn smallest(&self) -> Option<StartUpBound> {
+        let e_2 = Matrix::from_column_slice(3, 1, &[0.0, 1.0, 0.0]);
+        let mut variables = Variables::default();
+        let p: [Affine; RULES] = std::array::from_fn(|_| variables.symmetric(3));
+        let largest = variables.scalar();
+        let mut inequalities = conditions(&self.dynamics, self.decay, &self.output, &p);
+        for inequality in &mut inequalities {
+            *inequality = &*inequality - &(Matrix::identity(3, 3) * MARGIN).into();
+        }
+        inequalities.extend(p.iter().map(|p| &largest - &(&e_2.transpose() * &(p * &e_2))));
+        let solution = minimise(&variables, &largest, &inequalities).ok()?;
+        if !solution.is_candidate() {
+            return None;
+        }
+        self.checked(p.map(|p| p.at(&solution.x)))
+    }
+
+    /// The bound by P_i, in SI, that prove the decay, times the least factor with which they are no less than the
+    /// output.
+    fn multiplied(&self, p_s: &[Matrix; RULES]) -> Option<StartUpBound> {
+        let p = p_s.each_ref().map(|p| in_units(p, self.s, self.s));
+        let mut factor = 0.0_f64;
+        for p in &p {
+            let inverse = p.clone().cholesky()?.l().try_inverse()?;
+            let relative = &inverse * &self.output * inverse.transpose();
+            factor = factor.max(relative.symmetric_eigenvalues().max());
+        }
+        self.checked(p.map(|p| p * (factor * MULTIPLIED)))
+    }
+
+    /// The bound by P_i, if they pass their check. Numbers only: the solver's account is not used.
+    fn checked(&self, p: [Matrix; RULES]) -> Option<StartUpBound> {
+        let Self { dynamics, decay, output, unit, v_y, s } = self;
+        let largest = p.iter().map(|p| p[(1, 1)]).fold(0.0, f64::max);
+        let constant = p.each_ref().map(|p| Affine::from(p.clone()));
+        let p_norm = p.iter().map(Matrix::norm).fold(0.0, f64::max);
+        let n_norm = dynamics.iter().flatten().map(Matrix::norm).fold(1.0, f64::max);
+        let margin = Margin::of(
+            &conditions(dynamics, *decay, output, &constant),
+            1.0 + p_norm * (1.0 + n_norm * n_norm),
+        );
+        margin.holds().then(|| StartUpBound {
+            amplitude: unit * largest.sqrt() / s * v_y * ROUNDED_UP,
+            decay: *decay,
+            p: p.map(|p| in_units(&p, 1.0 / s, 1.0 / s) * (unit * unit)),
+            margin,
+        })
+    }
 }
 
 /// The unit of e_2 in which what N sends from the measured errors to e_2 is as large as what it sends

@@ -111,14 +111,14 @@ pub fn design_with_drives(
     let inputs = Inputs::of(spec)?;
 
     let found = found(spec, &inputs, progress)?;
-    let Found { gains, synthesis, theorem, worth, .. } = &found;
+    let Found { gains, p_s, synthesis, theorem, worth, .. } = &found;
     let (certified, a_posteriori) = worth.certified.clone().unzip();
     // The matrices of (31) and (32), where the gains are those that they were found with.
     let of_theorem = found.check.map(|_| &synthesis.lyapunov);
 
     let smallest_fault_residual = worth.frozen.beta * inputs.smallest_fault;
     let Evaluated { detector, threshold, peaks, sight } =
-        evaluate(spec, drives, theorem, gains, smallest_fault_residual, progress)?;
+        evaluate(spec, drives, theorem, (gains, p_s), smallest_fault_residual, progress)?;
 
     let design = Design {
         format: FORMAT.into(),
@@ -401,7 +401,7 @@ fn evaluate(
     spec: &Spec,
     drives: &[RecordedDrive],
     theorem: &Theorem4,
-    gains: &ObserverGains,
+    (gains, p_s): (&ObserverGains, &[Matrix; RULES]),
     smallest_fault_residual: f64,
     progress: &mut dyn FnMut(Step),
 ) -> Result<Evaluated, DesignError> {
@@ -429,6 +429,7 @@ fn evaluate(
     let bound = start_up::bound(
         &error_dynamics(theorem, gains),
         theorem.decay,
+        p_s,
         &without_threshold,
         v_y,
         &of_uncertain,
