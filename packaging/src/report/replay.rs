@@ -51,8 +51,9 @@ impl Replay {
         let Summary { fault_free, total, drives, .. } = &self.summary;
         let said = if *fault_free { ", said to be without a fault" } else { "" };
         let mut text = format!(
-            "{} recorded drives{said}, {:.1} minutes, through the packaged FMU: monitored {:.1} %, {} alarms",
+            "{} recorded {}{said}, {:.1} minutes, through the packaged FMU: monitored {:.1} %, {} alarms",
             total.drives,
+            if total.drives == 1 { "drive" } else { "drives" },
             total.driven_s / 60.0,
             100.0 * total.monitored_share,
             total.alarms
@@ -67,7 +68,7 @@ impl Replay {
                 total.injected, total.injected_seen
             );
             if let Some(deg) = total.smallest_seen_deg {
-                text += &format!(", the smallest of {deg:.2} degrees");
+                text += &format!(", the smallest of {:.2} degrees", deg.abs());
             }
             text += ".";
         }
