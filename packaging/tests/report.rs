@@ -87,7 +87,8 @@ fn what_results_say_is_text_and_nothing_else() {
         "mix": "<img src=x onerror=alert(1)>", "faults": "\"><b>\u{0}\u{1b}",
     });
     let figures = serde_json::json!({
-        "monitored_h": 1.0, "driven_h": 1.0, "not_excited_share": 0.1,
+        "drives": 1, "driven_h": 1.0, "monitored_h": 1.0, "out_of_range_share": 0.0,
+        "out_of_range_by_cause": [0.0, 0.0, 0.0], "invalid_input_share": 0.0, "not_excited_share": 0.1, "confidence": 0.95,
         "false_alarms": [], "detections": [], "detections_by_size": [],
     });
     fs::write(folder.path().join("c/campaign.json"), settings.to_string()).unwrap();

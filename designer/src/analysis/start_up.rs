@@ -115,18 +115,16 @@ pub fn bound(
     // Where the balanced unit has no bound that passes its check, another may.
     let s = balance(dynamics);
     let raised = |bound: StartUpBound| bound.raised_to(at_least, negligible, evaluation);
-    let bounds = rates.filter_map(|decay| {
-        let smallest = |factor: f64| {
-            Programme::new(dynamics, decay, evaluation.weights, v_y, factor * s).smallest()
-        };
-        UNITS.into_iter().find_map(smallest).map(raised)
-    });
-    bounds.min_by_key(|bound| samples_until(negligible, bound, evaluation)).or_else(|| {
-        let multiplied = |factor: f64| {
-            Programme::new(dynamics, slowest, evaluation.weights, v_y, factor * s).multiplied(p_s)
-        };
-        UNITS.into_iter().find_map(multiplied).map(raised)
-    })
+    let programmes = |decay| {
+        let in_units_of =
+            move |factor| Programme::new(dynamics, decay, evaluation.weights, v_y, factor * s);
+        UNITS.into_iter().map(in_units_of)
+    };
+    let smallest =
+        rates.filter_map(|decay| programmes(decay).find_map(|x| x.smallest()).map(raised));
+    smallest
+        .min_by_key(|bound| samples_until(negligible, bound, evaluation))
+        .or_else(|| programmes(slowest).find_map(|x| x.multiplied(p_s)).map(raised))
 }
 
 impl StartUpBound {

@@ -11,7 +11,7 @@
 //!   from the largest down until one fails: a fixed sequence, so that the confidence holds for all at
 //!   once.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use steerguard_detector::Interval;
 
 use super::names::{FaultName, ManoeuvreName};
@@ -32,7 +32,7 @@ const SIZE_CLASSES_DEG: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0
 const SPEED_BANDS: u32 = 3;
 
 /// Figures of a campaign.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Number of drives.
     pub drives: usize,
@@ -59,7 +59,7 @@ pub struct Report {
 }
 
 /// False alarms of a group of drives.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FalseAlarms {
     /// Which drives.
     pub group: String,
@@ -80,10 +80,10 @@ pub struct FalseAlarms {
 }
 
 /// Detections among a group of faults.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detections {
     /// Kind of the faults.
-    pub kind: &'static str,
+    pub kind: FaultName,
     /// Which of them.
     pub group: String,
     /// Number of faults.
@@ -290,7 +290,7 @@ impl Detections {
             .filter_map(|row| Some((row.outcome.peak_fault_deg?, is(Verdict::Detected)(row))))
             .collect();
         Self {
-            kind: kind.name(),
+            kind,
             group,
             faults: faults.len() as u64,
             not_exposed: count(faults, is(Verdict::NotExposed)),
@@ -307,7 +307,7 @@ impl Detections {
 
     fn cells(&self) -> [String; 12] {
         [
-            self.kind.into(),
+            self.kind.name().into(),
             self.group.clone(),
             self.faults.to_string(),
             self.not_exposed.to_string(),
@@ -398,7 +398,8 @@ fn count(rows: &[&Row], is: impl Fn(&Row) -> bool) -> u64 {
     rows.iter().filter(|row| is(row)).count() as u64
 }
 
-fn number(value: Option<f64>, digits: usize) -> String {
+/// A number with so many digits behind the point, or a dash.
+pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".into(), |value| format!("{value:.digits$}"))
 }
 
@@ -480,11 +481,14 @@ mod tests {
         }
 
         let [bias, stuck, ..] = report.detections.as_slice() else { panic!() };
-        assert_eq!((bias.kind, bias.faults, bias.not_exposed, bias.masked), ("bias", 3, 0, 1));
+        assert_eq!(
+            (bias.kind.name(), bias.faults, bias.not_exposed, bias.masked),
+            ("bias", 3, 0, 1)
+        );
         assert_eq!((bias.detected, bias.missed), (1, 1));
         assert_eq!(bias.probability, probability(1, 2));
         assert_eq!((bias.delay_median_s, bias.delay_95_s), (Some(0.2), None));
-        assert_eq!((stuck.kind, stuck.not_exposed, stuck.probability), ("stuck", 1, None));
+        assert_eq!((stuck.kind.name(), stuck.not_exposed, stuck.probability), ("stuck", 1, None));
         assert_eq!(report.detections_by_size.len(), 2);
         assert_eq!(report.detections_by_size[0].group, "0.5 to 0.7 deg");
         assert!(report.text().contains("masked"));

@@ -1,13 +1,13 @@
 //! Exact confidence intervals, and quantiles of delays.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{Beta, ContinuousCDF, Gamma};
 
 /// Confidence of the intervals, and of the one-sided bound.
 pub const CONFIDENCE: f64 = 0.95;
 
 /// An estimate with its two-sided interval of [`CONFIDENCE`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The estimate.
     pub value: f64,

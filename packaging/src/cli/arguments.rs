@@ -139,7 +139,7 @@ pub struct ReportArguments {
     /// Folder of a replay with this design: recorded drives
     #[arg(long, value_name = "DIR")]
     pub replay: Option<PathBuf>,
-    /// Comparison with other detectors, as tests/peers/run --json writes it
+    /// Comparison with other detectors, as tests/peers/run --output writes it
     #[arg(long, value_name = "FILE")]
     pub peers: Option<PathBuf>,
     /// Page to write

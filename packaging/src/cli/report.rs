@@ -9,11 +9,12 @@ use super::input;
 use super::package::payload;
 use super::print::print;
 use super::text::read_text;
+use crate::campaign::report::Report;
 use crate::cli::arguments::{Allowance, ReportArguments};
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
 use crate::output;
-use crate::report::campaign::{Campaign, Figures, Settings};
+use crate::report::campaign::{Campaign, Settings};
 use crate::report::design_summary::Record;
 use crate::report::documentation::{self, Evidence};
 use crate::report::peers::Peers;
@@ -54,7 +55,7 @@ fn of_campaign(folder: &Path, design: &str) -> Result<Campaign, Failure> {
     let file = folder.join("campaign.json");
     let settings: Settings = parsed(&file, help)?;
     of_this_design(&settings.design, design, &file)?;
-    let figures: Figures = parsed(&folder.join("report.json"), help)?;
+    let figures: Report = parsed(&folder.join("report.json"), help)?;
     Ok(Campaign { folder: folder.display().to_string(), settings, figures })
 }
 
@@ -67,7 +68,7 @@ fn of_replay(folder: &Path, design: &str) -> Result<Replay, Failure> {
 }
 
 fn of_peers(file: &Path) -> Result<Peers, Failure> {
-    parsed(file, "tests/peers/run --json FILE makes such a file")
+    parsed(file, "tests/peers/run --output FILE makes such a file")
 }
 
 /// The JSON in the file at `path`.

@@ -4,6 +4,9 @@ use serde::Deserialize;
 
 use super::chart::{Chart, Dash, Line, Scale};
 use super::html::{Cells, paragraph, table};
+use crate::campaign::names::FaultName;
+use crate::campaign::report::{Detections, FalseAlarms, Report, number};
+use crate::campaign::statistics::Estimate;
 use crate::drive::figure::PlotError;
 
 /// What `campaign.json` says of the drives.
@@ -23,46 +26,6 @@ pub struct Settings {
     pub faults: String,
 }
 
-/// What `report.json` says of what came out, as far as the page tells it.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
-pub struct Figures {
-    monitored_h: f64,
-    driven_h: f64,
-    not_excited_share: f64,
-    false_alarms: Vec<FalseAlarms>,
-    detections: Vec<Detections>,
-    detections_by_size: Vec<Detections>,
-}
-
-#[derive(Clone, Debug, Deserialize, PartialEq)]
-struct FalseAlarms {
-    group: String,
-    drives: u64,
-    hours: f64,
-    episodes: u64,
-    per_hour: Option<Estimate>,
-    largest_ratio: Option<f64>,
-}
-
-#[derive(Clone, Debug, Deserialize, PartialEq)]
-struct Detections {
-    kind: String,
-    group: String,
-    detected: u64,
-    missed: u64,
-    probability: Option<Estimate>,
-    delay_median_s: Option<f64>,
-    delay_95_s: Option<f64>,
-    surely_detected_deg: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
-struct Estimate {
-    value: f64,
-    lower: f64,
-    upper: f64,
-}
-
 /// A campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Campaign {
@@ -71,7 +34,7 @@ pub struct Campaign {
     /// Its drives.
     pub settings: Settings,
     /// Its figures.
-    pub figures: Figures,
+    pub figures: Report,
 }
 
 impl Campaign {
@@ -122,7 +85,7 @@ struct Bin<'a> {
 }
 
 fn bins(by_size: &[Detections]) -> Vec<Bin<'_>> {
-    let biases = by_size.iter().filter(|x| x.kind == "bias");
+    let biases = by_size.iter().filter(|x| x.kind == FaultName::Bias);
     biases.filter_map(|of| Some(Bin { middle_deg: middle_deg(&of.group)?, of })).collect()
 }
 
@@ -186,10 +149,6 @@ fn sizes(bins: &[Bin<'_>]) -> Scale {
     Scale::linear("size [deg]", 0.0..most)
 }
 
-fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or("-".into(), |x| format!("{x:.decimals$}"))
-}
-
 fn interval(estimate: Option<Estimate>, decimals: usize) -> String {
     estimate.map_or("-".into(), |Estimate { value, lower, upper }| {
         format!("{value:.decimals$} ({lower:.decimals$} to {upper:.decimals$})")
@@ -224,7 +183,7 @@ fn detections(groups: &[&Detections]) -> Vec<Vec<String>> {
     ];
     let rows = groups.iter().map(|x| {
         vec![
-            x.kind.clone(),
+            x.kind.name().into(),
             x.group.clone(),
             x.detected.to_string(),
             x.missed.to_string(),

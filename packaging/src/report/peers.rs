@@ -1,4 +1,4 @@
-//! What a comparison with other detectors adds to a page: the file that tests/peers writes with `--json`.
+//! What a comparison with other detectors adds to a page: the file that tests/peers writes with `--output`.
 
 use serde::Deserialize;
 

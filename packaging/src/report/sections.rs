@@ -254,8 +254,7 @@ fn by_speed(thresholds: &[SteadyThreshold]) -> Chart {
     let highest = most(&points(&|x| x.j_th));
     // A fault far above the threshold leaves the picture.
     let range = 0.0..(1.1 * highest.max(most(&smallest).min(2.0 * highest))).max(1e-9);
-    let speeds = thresholds.iter().map(|x| x.v_x_m_per_s);
-    let (slow, fast) = (speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max));
+    let Range { start: slow, end: fast } = ends(thresholds.iter().map(|x| x.v_x_m_per_s));
     let course = match a_y > 0.0 {
         true => format!("in a turn of {a_y:.1} m/s²"),
         false => "straight ahead".into(),
@@ -266,7 +265,7 @@ fn by_speed(thresholds: &[SteadyThreshold]) -> Chart {
             "The causes of the threshold, stacked, over speeds of {slow:.1} to {fast:.1} m/s, {course}; the table below \
              has the figures"
         ),
-        x: Scale::linear("v_x [m/s]", slow..fast.max(slow + 1e-6)),
+        x: Scale::linear("v_x [m/s]", slow..fast),
         y: Scale::linear("J x 1000", range),
         areas,
         lines: vec![Line {
@@ -277,6 +276,12 @@ fn by_speed(thresholds: &[SteadyThreshold]) -> Chart {
         }],
         shades: None,
     }
+}
+
+/// From the first of rising `speeds` to the last, in m/s; no axis is empty.
+fn ends(mut speeds: impl DoubleEndedIterator<Item = f64>) -> Range<f64> {
+    let slow = speeds.next().unwrap_or(0.0);
+    slow..speeds.next_back().unwrap_or(slow).max(slow + 1e-6)
 }
 
 /// Residuals over frequency, and poles over speed.
@@ -350,9 +355,7 @@ fn over_frequency(pictures: &Pictures) -> Chart {
 }
 
 fn poles(pictures: &Pictures) -> Chart {
-    let speeds = pictures.poles.iter().map(|(v_x, _)| *v_x);
-    let (slow, fast) = (speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max));
-    let slow = if slow.is_finite() { slow } else { 0.0 };
+    let Range { start: slow, end: fast } = ends(pictures.poles.iter().map(|(v_x, _)| *v_x));
     let of = |k: usize| pictures.poles.iter().map(move |(v_x, magnitudes)| (*v_x, magnitudes[k]));
     let largest = of(0).map(|(_, z)| z).fold(0.0, f64::max);
     let line = |(k, dash): (usize, Dash)| Line {
@@ -368,7 +371,7 @@ fn poles(pictures: &Pictures) -> Chart {
             "Magnitudes of the three poles of the error over speeds of {slow:.1} to {fast:.1} m/s; the largest is \
              {largest:.4}"
         ),
-        x: Scale::linear("v_x [m/s]", slow..fast.max(slow + 1e-6)),
+        x: Scale::linear("v_x [m/s]", slow..fast),
         y: Scale::linear("magnitude", 0.0..largest.max(1.0)),
         areas: Vec::new(),
         lines: lines.collect(),
