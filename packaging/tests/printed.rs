@@ -121,28 +121,3 @@ fn damaged(fmu: &[u8]) -> Vec<u8> {
     add("binaries/amiga/SteeringFaultDetector.library", b"");
     to.finish().unwrap().into_inner()
 }
-
-/// On a terminal of 80 columns, as which `COLUMNS` has the command take a pipe.
-#[test]
-fn no_line_is_longer_than_a_terminal() {
-    let folder = tempfile::tempdir().unwrap();
-    let (noise, gap) = (stored("noise"), stored("gap"));
-    let [noise, gap] = [&noise, &gap].map(|path| path.to_str().unwrap());
-    for arguments in [
-        &["verify", noise][..],
-        &["package", gap, "-o", "X.fmu"],
-        &["check", "X.fmu"],
-        &["campaign", gap, "--drives", "4", "--duration", "5", "-o", "campaign"],
-    ] {
-        let output = std::process::Command::new(env!("CARGO_BIN_EXE_steerguard"))
-            .current_dir(folder.path())
-            .env("COLUMNS", "80")
-            .args(arguments)
-            .output()
-            .unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let text = String::from_utf8(output.stdout).unwrap();
-        let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
-        assert!(longest.chars().count() <= 80, "{arguments:?}: {longest}");
-    }
-}

@@ -1,8 +1,8 @@
 //! Results on standard output, or on the standard error output where a file was written to the former.
 //!
 //! # Conventions
-//! Text for people fits a terminal of 80 columns; `COLUMNS` names another number. In a pipe or a file its lines stay
-//! whole, unless `COLUMNS` is set.
+//! On a terminal, text for people has lines of at most 80 columns, or as many as `COLUMNS` says. In a pipe or a file its
+//! lines stay whole, whatever `COLUMNS` says: scripts look for words in them.
 
 use serde::Serialize;
 
@@ -46,10 +46,10 @@ pub fn write(text: &str) -> Result<(), Failure> {
 /// Most characters of a line, where there is a bound.
 fn width() -> Option<usize> {
     use std::io::IsTerminal as _;
+    let on_terminal = match output::is_taken() {
+        true => std::io::stderr().is_terminal(),
+        false => std::io::stdout().is_terminal(),
+    };
     let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
-    match told {
-        Some(columns) => Some(NARROWEST.max(columns)),
-        None if output::is_taken() => std::io::stderr().is_terminal().then_some(WIDTH),
-        None => std::io::stdout().is_terminal().then_some(WIDTH),
-    }
+    on_terminal.then(|| told.map_or(WIDTH, |columns: usize| columns.max(NARROWEST)))
 }
