@@ -4,9 +4,10 @@
 
 STEERGUARD is the command of this build. Keys and their meaning are the docstrings of designer/src/spec, what is
 allowed and what holds for a key left out are the words in which the command refuses an impossible value; variables
-are those of a packaged FMU, findings those of the sources of `steerguard check`.
+are those of a packaged FMU, findings those of the sources of `steerguard check`, what `--json` prints is its own schemas.
 """
 
+import functools
 import json
 import os
 import re
@@ -241,13 +242,72 @@ def commands(steerguard, _folder):
     return "\n".join(lines) + "\n"
 
 
-WRITERS = {"keys.md": keys, "variables.md": variables, "findings.md": findings, "command.md": commands}
+def schemas(steerguard):
+    """The JSON Schemas of what is printed, by name, as the command prints them."""
+    names = re.findall(r"^ +- ([a-z-]+): ", helps(steerguard, "schema"), flags=re.MULTILINE)
+    run = functools.partial(subprocess.run, capture_output=True, text=True, check=True)
+    return {name: run([steerguard, "schema", name]).stdout for name in names}
+
+
+def rows(schema, root, path=""):
+    """(path, type, meaning) of every key below a schema; what an array holds has the path of the array with []."""
+    if "$ref" in schema:
+        schema = {**root["$defs"][schema["$ref"].rsplit("/", 1)[1]], **{k: v for k, v in schema.items() if k != "$ref"}}
+    if path:
+        yield path, kind(schema, root), schema.get("description", "")
+    for key, inner in schema.get("properties", {}).items():
+        yield from rows(inner, root, f"{path}.{key}" if path else key)
+    for part in [*schema.get("anyOf", []), *schema.get("oneOf", [])]:
+        yield from list(rows(part, root, path))[1:]
+    for inner, mark in ((schema.get("items"), "[]"), (schema.get("additionalProperties"), ".*")):
+        if isinstance(inner, dict):
+            yield from list(rows(inner, root, path + mark))[1:]
+
+
+def kind(schema, root):
+    """The type of a value in words."""
+    if "$ref" in schema:
+        return kind(root["$defs"][schema["$ref"].rsplit("/", 1)[1]], root)
+    if "const" in schema:
+        return f'"{schema["const"]}"'
+    if "enum" in schema:
+        return " or ".join(f'"{value}"' for value in schema["enum"])
+    if parts := [*schema.get("anyOf", []), *schema.get("oneOf", [])]:
+        return " or ".join(dict.fromkeys(kind(part, root) for part in parts))
+    types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+    if "array" in types and "items" in schema:
+        count = f" of {schema['minItems']}" if schema.get("minItems") else ""
+        types = [f"array{count}: {kind(schema['items'], root)}" if of == "array" else of for of in types]
+    return " or ".join(types)
+
+
+def printed(steerguard, _folder):
+    lines = ["# What `--json` prints", "",
+             "With `--json` a command prints one JSON value on the standard output; where it cannot do what was asked, one",
+             "on the standard error output. Each has a JSON Schema (draft 2020-12), which `steerguard schema WHAT` prints.",
+             "Later versions may print more keys; those that are there keep name, unit and meaning. In a path, `[]` is each",
+             "value of an array and `*` each key of an object.", ""]  # fmt: skip
+    for name, text in schemas(steerguard).items():
+        root = json.loads(text)
+        lines += [f"## {root['title']}", "", f"{root['description']} Schema: [`{name}`](schemas/{name}.json).", ""]
+        lines += ["| key | type | unit | meaning |", "|---|---|---|---|"]
+        for path, of, meaning in rows(root, root):
+            row = [f"`{path}`", of, unit(path), meaning]
+            lines.append("| " + " | ".join(map(cell, row)) + " |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+WRITERS = {
+    "keys.md": keys, "variables.md": variables, "findings.md": findings, "command.md": commands, "json.md": printed,
+}  # fmt: skip
 
 
 def pages(steerguard):
-    """Text of each page by its name."""
+    """Text of each page, and of each schema, by its name."""
     with tempfile.TemporaryDirectory() as folder:
-        return {name: GENERATED + make(steerguard, Path(folder)).rstrip() + "\n" for name, make in WRITERS.items()}
+        made = {name: GENERATED + make(steerguard, Path(folder)).rstrip() + "\n" for name, make in WRITERS.items()}
+    return made | {f"schemas/{name}.json": text for name, text in schemas(steerguard).items()}
 
 
 def main():
@@ -260,7 +320,7 @@ def main():
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             stale.append(name)
             if "--check" not in sys.argv:
-                PAGES.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(text, encoding="utf-8")
     if stale and "--check" in sys.argv:
         sys.exit(f"docs/reference is not current: {', '.join(stale)}; run docs/site/reference.py STEERGUARD")

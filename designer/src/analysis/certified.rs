@@ -69,6 +69,7 @@ pub enum Gain {
 
 /// Certified figures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedFigures {
     /// Smallest gain from the fault over its band, per rad or N m.

@@ -212,6 +212,7 @@ pub struct LargestBeta {
 
 /// What a design may be called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DesignStatus {
     /// `performance.certified` is proven for the stored gains in exact arithmetic, by

@@ -23,6 +23,7 @@ const HALVINGS: u32 = 12;
 
 /// What hides a fault.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HiddenBy {
     /// Its key in the specification.

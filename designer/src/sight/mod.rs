@@ -42,6 +42,7 @@ const HALVINGS: u32 = 10;
 
 /// What a design sees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sight {
     /// When the faults begin.
@@ -59,6 +60,7 @@ pub struct Sight {
 
 /// What is seen on one course.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CourseSight {
     /// Speed.
@@ -80,6 +82,7 @@ impl CourseSight {
 
 /// What becomes of one fault on one course, of the worse sign.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FaultSight {
     /// Its size.
@@ -96,6 +99,7 @@ pub struct FaultSight {
 
 /// Why a design is blind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Blindness {
     /// The size from which on faults are seen straight ahead at every speed; null where none is.

@@ -8,6 +8,7 @@ use crate::document::{Allowed, Mistakes};
 /// `[actuator]`: what lies between the steering angle that the detector is told and the road wheel. The
 /// default is nothing: the angle is a measured one, or the actuator is too fast to matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ActuatorTable {
     /// Time constant of a first-order lag; default 0.

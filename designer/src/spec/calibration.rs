@@ -71,6 +71,7 @@ impl Default for Calibration {
 
 /// A course of the road-wheel angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Manoeuvre {
     /// No steering.

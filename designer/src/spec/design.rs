@@ -52,6 +52,7 @@ impl Default for Method {
 
 /// The methods there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum MethodName {
     /// A search for the largest detection ratio: over the multipliers of Theorem 4, then over the

@@ -71,6 +71,7 @@ impl Default for Evaluation {
 
 /// How the threshold is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ThresholdKind {
     /// A given number.

@@ -35,6 +35,7 @@ const CONFIDENCE: f64 = 0.95;
 
 /// One fault-free drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Drive {
     /// Initial speed, held by the drive torque.
     pub v_x_m_per_s: f64,
@@ -50,6 +51,7 @@ pub struct Drive {
 
 /// A cosine of every disturbance, each at its bound.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wave {
     /// Frequency.
     pub hz: f64,
@@ -87,6 +89,7 @@ pub struct Levels {
 
 /// The largest statistic, and where it was met.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Level {
     /// Largest statistic of its [`Population`] at a monitored sample.

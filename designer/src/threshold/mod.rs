@@ -215,6 +215,7 @@ fn largest(
 
 /// The threshold in a steady turn, cause by cause.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SteadyThreshold {
     /// Speed.
     pub v_x_m_per_s: f64,

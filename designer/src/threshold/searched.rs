@@ -13,6 +13,7 @@ const SEED: u64 = 1;
 
 /// The largest statistic that a search found of a family.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Searched {
     /// Name of the [`Family`].

@@ -14,6 +14,7 @@ const FURTHER: u64 = 4;
 
 /// The largest statistics of the second test without a fault.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SecondLevels {
     /// Of the calibration's drives of uncertain vehicles.

@@ -63,7 +63,7 @@ macro_rules! record {
         pub struct $Name:ident { $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)+ }
     ) => {
         $(#[$attribute])*
-        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[derive(Clone, Debug, PartialEq, schemars::JsonSchema, serde::Serialize, serde::Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct $Name { $($(#[$field_attribute])* pub $field: $type,)+ }
 
@@ -85,7 +85,7 @@ macro_rules! named {
         pub enum $Name:ident { $($(#[$item_attribute:meta])* $Item:ident = $name:literal,)+ }
     ) => {
         $(#[$attribute])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, schemars::JsonSchema, serde::Serialize, serde::Deserialize)]
         pub enum $Name { $($(#[$item_attribute])* #[serde(rename = $name)] $Item,)+ }
 
         impl $Name {

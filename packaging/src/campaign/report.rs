@@ -11,6 +11,7 @@
 //!   from the largest down until one fails: a fixed sequence, so that the confidence holds for all at
 //!   once.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steerguard_detector::Interval;
 
@@ -32,7 +33,7 @@ const SIZE_CLASSES_DEG: [f64; 11] = [0.0, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0
 const SPEED_BANDS: u32 = 3;
 
 /// Figures of a campaign.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Report {
     /// Number of drives.
     pub drives: usize,
@@ -59,7 +60,7 @@ pub struct Report {
 }
 
 /// False alarms of a group of drives.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct FalseAlarms {
     /// Which drives.
     pub group: String,
@@ -80,7 +81,7 @@ pub struct FalseAlarms {
 }
 
 /// Detections among a group of faults.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Detections {
     /// Kind of the faults.
     pub kind: FaultName,
@@ -202,7 +203,7 @@ impl Report {
             text += "\nDetections, with 95 % intervals; delays from the first monitored sample\n";
             text += &table(DETECTIONS_HEAD, self.detections.iter().map(Detections::cells));
             text += &format!(
-                "  sure: {} % detected at {} % confidence; this takes {FEWEST} faults or more\n",
+                "Sure: {} % detected at {} % confidence; this takes {FEWEST} faults or more\n",
                 100.0 * SURE,
                 100.0 * CONFIDENCE
             );

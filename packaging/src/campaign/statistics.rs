@@ -1,5 +1,6 @@
 //! Exact confidence intervals, and quantiles of delays.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{Beta, ContinuousCDF, Gamma};
 
@@ -7,7 +8,7 @@ use statrs::distribution::{Beta, ContinuousCDF, Gamma};
 pub const CONFIDENCE: f64 = 0.95;
 
 /// An estimate with its two-sided interval of [`CONFIDENCE`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Estimate {
     /// The estimate.
     pub value: f64,

@@ -14,6 +14,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::drive_record::DriveRecord;
@@ -24,7 +25,7 @@ use super::record::{Kind, Value};
 const GROUP: usize = 1 << 16;
 
 /// A drive and what it showed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// What was driven.

@@ -12,23 +12,25 @@ use crate::platform::Platform;
 use crate::replay::fault::FaultRequest;
 
 const EXAMPLES: &str = "\
-Without a command: designs the detector for the paper's vehicle, re-checks it, packages it, drives
-the FMU against a reference vehicle with a 0.5 degree steering fault, and prints what was detected.
+Without a command: designs the detector for the paper's vehicle, re-checks it,
+packages it, drives the FMU against a reference vehicle with a 0.5 degree
+steering fault, and prints what was detected.
 
 Examples:
-  steerguard                                     the main job, into steerguard-out/
+  steerguard                                     the main job
   steerguard init my-car.toml                    a specification to start from
   steerguard design my-car.toml -o design.json   gains for your vehicle
-  steerguard verify design.json                  independent proof in exact arithmetic
+  steerguard verify design.json                  proof in exact arithmetic
   steerguard package design.json                 SteeringFaultDetector.fmu
   steerguard check SteeringFaultDetector.fmu     what importers may trip over
   steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml
-  steerguard campaign design.json --drives 1000  what the detector is worth on the road
-  steerguard identify log.csv --known told.toml  vehicle and sensors from a recorded drive
-  steerguard replay design.json drive.csv        what the detector says of one
-  steerguard report design.json                  a page on all of it, for a browser
+  steerguard campaign design.json --drives 1000  what it is worth on the road
+  steerguard identify log.csv --known told.toml  a car from a recorded drive
+  steerguard replay design.json drive.csv        what the detector says of it
+  steerguard report design.json                  a page for a browser
 
-Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault missed); 2 bad usage or input.";
+Exit status: 0 done; 1 the answer is no (infeasible, check failed, fault
+missed); 2 bad usage or input.";
 
 /// With what FMUs made by it run on.
 const VERSION: &str =
@@ -74,6 +76,8 @@ pub enum Command {
     Replay(Box<ReplayArguments>),
     /// Write a page on what a design is worth: verdict, figures, proof, evidence
     Report(ReportArguments),
+    /// Print the JSON Schema of what a command prints with --json
+    Schema(SchemaArguments),
     /// Print what a shell needs to complete this command's arguments
     Completions(CompletionsArguments),
 }
@@ -123,13 +127,65 @@ pub struct CompletionsArguments {
     pub shell: clap_complete::Shell,
 }
 
+/// What is printed with `--json`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Printed {
+    /// `steerguard`, the main job
+    MainJob,
+    /// `steerguard init`
+    Init,
+    /// `steerguard identify`
+    Identify,
+    /// `steerguard design`
+    Design,
+    /// `steerguard verify`
+    Verify,
+    /// `steerguard package`
+    Package,
+    /// `steerguard check`
+    Check,
+    /// `steerguard simulate`
+    Simulate,
+    /// `steerguard simulate --print-scenario`
+    Scenario,
+    /// `steerguard campaign`
+    Campaign,
+    /// `steerguard campaign --drive`
+    CampaignDrive,
+    /// `steerguard campaign --signals`
+    CampaignSignals,
+    /// `steerguard campaign --worst`
+    CampaignWorst,
+    /// `steerguard replay`
+    Replay,
+    /// `steerguard report`
+    Report,
+    /// Any command that cannot do what was asked, on the standard error output
+    Failure,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  steerguard schema design > design.schema.json
+  steerguard schema campaign-worst
+
+JSON Schema, draft 2020-12. Later versions may print more keys; those that are
+there keep name, unit and meaning.")]
+pub struct SchemaArguments {
+    /// What is printed
+    #[arg(value_name = "WHAT")]
+    pub printed: Printed,
+}
+
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   steerguard report design.json
-  steerguard report design.json --campaign campaign --replay replay -o report.html
+  steerguard report design.json --campaign campaign --replay replay
 
-The page is one file, needs no network and no script, and says first what the design sees and what it does not.")]
+The page is one file, needs no network and no script, and says first what the
+design sees and what it does not.")]
 pub struct ReportArguments {
     /// Design (.json), or a specification to design for first
     pub design: PathBuf,
@@ -151,21 +207,25 @@ pub struct ReportArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   steerguard identify drive.csv --known told.toml -o my-car.toml
-  steerguard identify monday.csv tuesday.parquet --known told.toml -o my-car.toml
-  steerguard identify log.csv --known told.toml --speed 'v [km/h]' --yaw r_deg:-deg/s --steering hw:deg
+  steerguard identify monday.csv tuesday.parquet --known told.toml
+  steerguard identify log.csv --known told.toml \\
+      --speed 'v [km/h]' --yaw r_deg:-deg/s --steering hw:deg
 
 told.toml is a specification that holds at least
   [vehicle]
   mass_kg = 1476
   front_axle_distance_m = 1.13
   rear_axle_distance_m = 1.49
-What it states beside is taken as it is; the rest is identified: steering ratio and offset, yaw-rate bias,
-delay, stiffnesses, and with lateral acceleration yaw inertia and height of the centre of gravity.
+What it states beside is taken as it is; the rest is identified: steering ratio
+and offset, yaw-rate bias, delay, stiffnesses, and with lateral acceleration yaw
+inertia and height of the centre of gravity.
 
-Drive a standstill of 10 s, half a minute of turns at 3 to 8 m/s, a sweep or slalom from 0.2 to 2 Hz to
-3 m/s^2 at 15 to 25 m/s. What the drives do not show is refused by name.
+Drive a standstill of 10 s, half a minute of turns at 3 to 8 m/s, a sweep or
+slalom from 0.2 to 2 Hz to 3 m/s^2 at 15 to 25 m/s. What the drives do not show
+is refused by name.
 
-Exit status: 1 where the drives do not show it, nothing is written; 2 for a drive that cannot be read.")]
+Exit status: 1 where the drives do not show it, nothing is written; 2 for a
+drive that cannot be read.")]
 pub struct IdentifyArguments {
     /// Recorded drives of one car (CSV, Parquet)
     #[arg(required = true, value_name = "DRIVE")]
@@ -188,7 +248,7 @@ pub struct IdentifyArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   steerguard design my-car.toml -o design.json
-  steerguard design old.json -o new.json          anew, from the specification inside")]
+  steerguard design old.json -o new.json      from the specification inside")]
 pub struct DesignArguments {
     /// Specification (TOML); every key left out has the value of the paper's vehicle. Or a design of this
     /// or an earlier version (.json), whose specification is taken
@@ -259,7 +319,7 @@ pub struct CheckArguments {
 #[command(after_help = "Examples:
   steerguard simulate
   steerguard simulate --print-scenario > drive.toml
-  steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml -o results")]
+  steerguard simulate --detector SteeringFaultDetector.fmu --scenario drive.toml")]
 pub struct SimulateArguments {
     /// Detector FMU; without it the paper's vehicle is designed and packaged on the fly
     #[arg(long, value_name = "FMU")]
@@ -283,21 +343,24 @@ pub struct SimulateArguments {
 #[command(
     allow_negative_numbers = true,
     after_help = "Examples:
-  steerguard campaign design.json --drives 1000 --faults none --nominal -o fault-free
-  steerguard campaign design.json --drives 1000 --faults bias --fault-deg 0..2 -o biases
-  steerguard campaign design.json --parameters 10 --bank 3 --gust 10 -o perturbed
+  steerguard campaign design.json --drives 1000 --faults none -o fault-free
+  steerguard campaign design.json --faults bias --fault-deg 0..2 -o biases
+  steerguard campaign design.json --parameters 10 --bank 3 -o perturbed
   steerguard campaign design.json --drive 17 > drive-17.csv
   steerguard campaign design.json --drives 1000 --shard 2/4 -o part-2
   steerguard campaign design.json --drives 1000 --signals signals.parquet
   steerguard campaign design.json --worst -o worst
-  steerguard simulate --detector SteeringFaultDetector.fmu --scenario worst/worst-constant.toml
+  steerguard simulate --detector SteeringFaultDetector.fmu \\
+      --scenario worst/worst-constant.toml
 
-A campaign that was cut short goes on when the command is given again. Parts driven elsewhere are
-merged by copying their blocks/ into one folder and giving the command without --shard: results are
-the same, byte for byte, as those of one run.
+A campaign that was cut short goes on when the command is given again. Parts
+driven elsewhere are merged by copying their blocks/ into one folder and giving
+the command without --shard: results are the same, byte for byte, as those of
+one run.
 
-Files in DIR: results.parquet, a row a drive; report.json; campaign.json and blocks/, to go on. With
---worst: worst-FAMILY.toml, the worst drive found of each family, which `simulate` replays."
+Files in DIR: results.parquet, a row a drive; report.json; campaign.json and
+blocks/, to go on. With --worst: worst-FAMILY.toml, the worst drive found of
+each family, which `simulate` replays."
 )]
 pub struct CampaignArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
@@ -413,18 +476,22 @@ pub struct CampaignArguments {
   steerguard replay design.json drive.csv --fault-free
   steerguard replay design.json monday.csv tuesday.parquet -o replayed
   steerguard replay design.json drive.csv --fault bias=0.5@30s --fault bias=1@30s
-  steerguard replay design.json drive.csv --fault drift=1,rise_s=5@30s --fault loss=0.3@30s
-  steerguard replay design.json log.csv --speed 'v [km/h]' --yaw r_deg:-deg/s --steering hw:deg
-  steerguard replay design.json log.csv --columns columns.toml --delay steering=0.03
+  steerguard replay design.json drive.csv --fault drift=1,rise_s=5@30s
+  steerguard replay design.json drive.csv --fault loss=0.3@30s
+  steerguard replay design.json log.csv \\
+      --speed 'v [km/h]' --yaw r_deg:-deg/s --steering hw:deg
+  steerguard replay design.json log.csv --columns columns.toml
 
-A drive is a CSV or Parquet file (docs/drive-files.md: formats, columns, units, what is guessed and what is
-found wrong). The design's sensors.steering_ratio, steering_offset_deg and yaw_rate_bias_deg_per_s are those
-of the car.
+A drive is a CSV or Parquet file (docs/drive-files.md: formats, columns, units,
+what is guessed and what is found wrong). The design's sensors.steering_ratio,
+steering_offset_deg and yaw_rate_bias_deg_per_s are those of the car.
 
-Files in DIR: summary.json; for each drive NAME.trace.csv, what the detector was told and said a line a
-sample, and NAME.svg, J and J_th over time; the same for each injected fault.
+Files in DIR: summary.json; for each drive NAME.trace.csv, what the detector was
+told and said a line a sample, and NAME.svg, J and J_th over time; the same for
+each injected fault.
 
-Exit status: 1 where a drive that is said to be --fault-free alarms; 2 for a drive that cannot be read.")]
+Exit status: 1 where a drive that is said to be --fault-free alarms; 2 for a
+drive that cannot be read.")]
 pub struct ReplayArguments {
     /// Design file (.json), which is verified first, or a specification (any other name), which is
     /// designed

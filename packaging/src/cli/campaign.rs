@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::spec::UncertaintyTable;
 use steerguard_designer::{Design, DesignStatus};
@@ -27,25 +28,39 @@ use crate::fmu::runtime::Runtimes;
 use crate::output::temporary::TemporaryFolder;
 
 /// What was driven of a campaign, and the report once that is complete.
-#[derive(Serialize)]
-struct DrivenPart {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct DrivenPart {
     /// What the design may be called.
     status: DesignStatus,
     /// Number of blocks of this part.
     blocks: u64,
     /// Blocks of the campaign that are still missing.
     missing_blocks: Vec<u64>,
+    /// How fast this run was; null where nothing was driven.
     throughput: Option<Throughput>,
+    /// Results of the campaign; none until it is complete.
     files: Vec<PathBuf>,
+    /// Its figures; null until it is complete.
     report: Option<Report>,
 }
 
+/// Signals that were written.
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Signals<'a> {
+    /// The table.
+    files: [&'a Path; 1],
+}
+
 /// How fast this run was.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, JsonSchema, Serialize)]
 struct Throughput {
+    /// Number of drives.
     drives: u64,
+    /// Number of workers.
     workers: usize,
+    /// Time that they took, s.
     wall_s: f64,
+    /// Seconds driven in a second of a worker.
     drive_seconds_per_second_per_worker: f64,
 }
 
@@ -156,6 +171,7 @@ fn drive_one(
     index: u64,
     json: bool,
 ) -> Result<Exit, Failure> {
+    let progress = Progress::saying(format_args!("driving drive {index}"));
     let drive = Drive::draw(settings, &bench.subject, index);
     let mut samples = Vec::new();
     let outcome = bench.run(&drive, |sample| samples.push(*sample)).map_err(Failure::bad)?;
@@ -165,6 +181,7 @@ fn drive_one(
         samples,
     };
     let text = String::from_utf8(csv(&run).map_err(Failure::bad)?).map_err(Failure::bad)?;
+    drop(progress);
     print_file(json, &Row { drive: DriveRecord::from(&drive), outcome }, &text)?;
     Ok(Exit::Done)
 }
@@ -182,8 +199,7 @@ fn write_signals(
     let advance = |drives| progress.advance(drives);
     signals::write(bench, manifest, drives, jobs, path, advance)?;
     drop(progress);
-    let files = [path];
-    print(json, &serde_json::json!({ "files": files }), &format!("  {}\n", path.display()))?;
+    print(json, &Signals { files: [path] }, &format!("  {}\n", path.display()))?;
     Ok(Exit::Done)
 }
 

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::document::{self, Diagnostic};
 use steerguard_model_description::xml::{Finding, Level};
@@ -12,24 +13,35 @@ use crate::check::check;
 use crate::cli::arguments::CheckArguments;
 use crate::cli::diagnostic;
 use crate::cli::failure::{Exit, Failure};
+use crate::cli::progress::Progress;
 
 /// An FMU and what is found in it.
-#[derive(Serialize)]
-struct Checked<'a> {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Checked<'a> {
+    /// The FMU.
     file: &'a Path,
+    /// How many findings are against the standard.
     errors: usize,
+    /// How many importers may stumble over.
     warnings: usize,
+    /// How many could be better.
     notes: usize,
+    /// Each of them.
     findings: Vec<Item<'a>>,
 }
 
 /// A finding, for machines.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Item<'a> {
+    /// `error`, `warning` or `note`.
     level: &'static str,
+    /// One of those that docs/checks.md explains.
     code: &'static str,
+    /// What is found.
     message: &'a str,
+    /// Where.
     location: &'a str,
+    /// What to do.
     help: &'a str,
 }
 
@@ -48,9 +60,11 @@ pub(super) fn run(arguments: &CheckArguments, json: bool) -> Result<Exit, Failur
             "name an FMU file: a zip archive of what an unpacked FMU has, modelDescription.xml at its root",
         ));
     }
+    let progress = Progress::saying(format_args!("examining {name}"));
     let findings = File::open(path).and_then(|file| check(file, &name)).map_err(|error| {
         Failure::bad(format!("cannot read `{name}`: {error}")).help("name an FMU file")
     })?;
+    drop(progress);
     let count = |level| findings.iter().filter(|finding| finding.level == level).count();
     let checked = Checked {
         file: path,

@@ -1,5 +1,6 @@
 //! `steerguard design`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use steerguard_designer::{Design, DesignStatus};
@@ -13,9 +14,11 @@ use crate::output;
 use crate::report::design_summary::DesignSummary;
 
 /// A design and its file.
-#[derive(Serialize)]
-struct Designed<'a> {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Designed<'a> {
+    /// Its figures.
     design: DesignSummary,
+    /// The design file.
     file: &'a Path,
 }
 

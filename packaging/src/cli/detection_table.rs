@@ -6,18 +6,8 @@ use crate::output::table::aligned;
 /// One line for each run, and remarks below.
 pub fn detection_table<'a>(detections: impl Iterator<Item = &'a Detection>) -> String {
     let head = [
-        [
-            "v_x(0)",
-            "fault",
-            "alarm",
-            "delay",
-            "J no fault",
-            "J no fault",
-            "J_th",
-            "J fault",
-            "false",
-        ],
-        ["m/s", "s", "s", "s", "largest", "after 2 s", "", "largest", "alarms"],
+        ["v_x(0)", "fault", "alarm", "delay", "false", "largest J", "after", "J_th", "largest J"],
+        ["m/s", "s", "s", "s", "alarms", "no fault", "2 s", "", "fault"],
     ];
     let mut rows: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
     let mut remarks = String::new();
@@ -30,11 +20,11 @@ pub fn detection_table<'a>(detections: impl Iterator<Item = &'a Detection>) -> S
             seconds(d.fault_onset_s),
             seconds(d.alarm_s),
             seconds(d.delay_s),
+            d.false_alarms.to_string(),
             j(d.largest_fault_free_j),
             j(d.largest_fault_free_j_after_start_up),
             j(d.threshold),
             j(d.largest_faulty_j),
-            d.false_alarms.to_string(),
         ]);
         if let Some(ratio) = d.largest_fault_free_ratio.filter(|&ratio| ratio >= 1.0) {
             remarks += &format!(

@@ -3,6 +3,7 @@
 use annotate_snippets::{
     Annotation, AnnotationKind, Element, Level as Title, Message, Origin, Renderer, Snippet,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::document::{Diagnostic, Label, Level, Source};
 
@@ -77,29 +78,36 @@ fn printable(text: &str) -> String {
 }
 
 /// A diagnostic, for machines.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Record<'a> {
+    /// `error`, `warning` or `note`.
     level: &'static str,
+    /// Of a finding, its code.
     #[serde(skip_serializing_if = "Option::is_none")]
     code: Option<&'static str>,
+    /// What is wrong.
     message: &'a str,
     /// File, function or the like.
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<&'a str>,
+    /// Where in the file.
     labels: Vec<LabelRecord<'a>>,
+    /// Why.
     notes: &'a [String],
+    /// What to do.
     help: &'a [String],
 }
 
 /// A label, for machines.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 struct LabelRecord<'a> {
-    /// From 1.
+    /// Line, from 1.
     line: usize,
-    /// In characters, from 1.
+    /// Column in characters, from 1.
     column: usize,
     /// First byte, and the one behind the last.
     bytes: [usize; 2],
+    /// What is said of that place.
     text: &'a str,
 }
 

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::document::{Diagnostic, Level, Mistakes, Source};
 
@@ -40,8 +41,9 @@ pub struct Failure {
 }
 
 /// A failure as JSON.
-#[derive(Serialize)]
-struct Record<'a> {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Record<'a> {
+    /// What is wrong, where, and what to do; at least one.
     diagnostics: Vec<diagnostic::Record<'a>>,
 }
 

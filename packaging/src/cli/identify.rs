@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::Spec;
 use steerguard_designer::document::Source;
@@ -31,34 +32,46 @@ const CORRELATED: f64 = 0.9;
 const LONGEST_S: f64 = 4.0 * 3600.0;
 
 /// What is said of the drives, and what was written.
-#[derive(Serialize)]
-struct Report {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Report {
+    /// Parameters of vehicle and sensors.
     parameters: Vec<Row>,
+    /// How far what two of them are depends on each other.
     correlations: Vec<Correlation>,
+    /// Time that model and drives were compared over, s.
     compared_s: f64,
+    /// Time driven, s.
     driven_s: f64,
+    /// Lowest and highest speed of what was compared, m/s.
     speeds_m_per_s: [f64; 2],
+    /// RMS of the measured less the model's yaw rate, rad/s.
     yaw_rate_left_over_rad_per_s: f64,
     /// Of what is left over of the yaw rate, after 0.1 s; 0 of white noise.
     autocorrelation: f64,
     /// `used`, `unexplained` or `not logged`.
     lateral_acceleration: &'static str,
+    /// How each file was read, and which columns were taken.
     columns: Vec<String>,
+    /// What was not taken, what is missing, and what looks wrong with the signals.
     findings: Vec<String>,
+    /// The specification written.
     specification: PathBuf,
+    /// The plot of the fit.
     plot: PathBuf,
 }
 
 /// A parameter.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Row {
+    /// Its key in the specification; null where it has none.
     key: Option<String>,
+    /// What it is.
     name: &'static str,
-    /// SI.
+    /// In SI units.
     value: f64,
-    /// Relative, or SI.
+    /// Relative, or in SI units.
     standard_error: f64,
-    /// Half of it, relative or SI.
+    /// Half the interval written, relative or in SI units.
     interval: f64,
     /// `fitted`, `told`, `assumed` or `pair`.
     origin: &'static str,
@@ -66,9 +79,12 @@ struct Row {
     estimate: Estimate,
 }
 
-#[derive(Serialize)]
+/// How far two parameters depend on each other.
+#[derive(JsonSchema, Serialize)]
 struct Correlation {
+    /// Which two.
     parameters: [&'static str; 2],
+    /// -1 to 1.
     correlation: f64,
 }
 
@@ -134,7 +150,9 @@ fn read(arguments: &IdentifyArguments) -> Result<Drives, Failure> {
     spacing.gap_s = arguments.gap.unwrap_or(spacing.gap_s);
     let wanted = Wanted { lateral_acceleration: true, drive_torque: false };
     let mut left_s = LONGEST_S;
+    let progress = Progress::new();
     for path in &arguments.drives {
+        progress.say(format_args!("reading {}", path.display()));
         let mut reader =
             Reader::open(path, &columns, wanted).map_err(|error| unreadable(&error))?;
         drives.columns.push(format!("{}: {}", path.display(), reader.reading()));
@@ -258,7 +276,7 @@ impl Report {
             "  {:.1} s, of which {:.1} s compared, {slowest:.1} to {fastest:.1} m/s\n\nVehicle and sensors\n",
             self.driven_s, self.compared_s
         );
-        let head = ["", "value", "", "standard error", "interval", ""];
+        let head = ["", "value", "", "standard error", "interval"];
         let mut rows = vec![head.map(String::from).to_vec()];
         rows.extend(self.parameters.iter().map(|row| {
             let scale = row.estimate.parameter.scale();
@@ -269,9 +287,12 @@ impl Report {
             };
             let interval = or_none(row.interval);
             let interval = if interval == "-" { interval } else { format!("+-{interval}") };
-            let cells =
-                [row.name, &value, unit, &or_none(row.standard_error), &interval, row.origin];
-            cells.map(String::from).to_vec()
+            // What is told or assumed has no standard error.
+            let standard_error = match row.standard_error > 0.0 {
+                true => or_none(row.standard_error),
+                false => row.origin.to_owned(),
+            };
+            [row.name, &value, unit, &standard_error, &interval].map(String::from).to_vec()
         }));
         text += &aligned(&rows, "  ");
         let correlated: Vec<String> = self

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::print::print;
@@ -13,8 +14,9 @@ use crate::output;
 pub const CAR: &str = include_str!("../../assets/car.toml");
 
 /// A specification that was written.
-#[derive(Serialize)]
-struct Begun<'a> {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Begun<'a> {
+    /// The specification.
     file: &'a Path,
 }
 

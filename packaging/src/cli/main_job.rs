@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::Spec;
 
@@ -22,17 +23,24 @@ use crate::output;
 use crate::report::design_summary::{DesignSummary, Record};
 
 /// All that the main job made and found.
-#[derive(Serialize)]
-struct Demonstration {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Demonstration {
+    /// Its figures.
     design: DesignSummary,
+    /// What the check of the design file said.
     proof: verify::Proof,
+    /// What was detected, a drive each.
     detections: Vec<Detection>,
+    /// Where all of it is.
     files: Results,
 }
 
-#[derive(Serialize)]
+/// The files of the main job.
+#[derive(JsonSchema, Serialize)]
 struct Results {
+    /// The design file.
     design: PathBuf,
+    /// Detector and reference vehicle.
     fmus: Vec<Packaged>,
     #[serde(flatten)]
     simulation: Files,

@@ -19,6 +19,7 @@ mod print;
 pub mod progress;
 mod replay;
 mod report;
+mod schema;
 mod simulate;
 mod text;
 mod verify;
@@ -45,5 +46,6 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Some(Command::Campaign(arguments)) => campaign::run(arguments, cli.json),
         Some(Command::Replay(arguments)) => replay::run(arguments, cli.json),
         Some(Command::Report(arguments)) => report::run(arguments, cli.json),
+        Some(Command::Schema(arguments)) => schema::run(arguments),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::{Design, DesignStatus};
 use steerguard_fmu::BakedDesign;
@@ -20,18 +21,22 @@ use crate::platform::Platform;
 use crate::report::design_summary::{Record, baked, status};
 
 /// An FMU that was written.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 pub(super) struct Packaged {
+    /// The FMU, or the system.
     pub(super) file: PathBuf,
+    /// Its size.
     pub(super) bytes: usize,
 }
 
 /// A design and the FMUs made of it.
-#[derive(Serialize)]
-struct PackagedDesign {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct PackagedDesign {
     /// What the design may be called.
     status: DesignStatus,
+    /// What was written.
     fmus: Vec<Packaged>,
+    /// Platforms that the detector has a library for, as FMI 2.0 names them.
     platforms: Vec<&'static str>,
 }
 
@@ -68,10 +73,9 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
         true => only(Runtimes::plant(), &arguments.only, names::PLANT)?,
         false => Runtimes::plant(),
     };
-    let (design, verdict) = {
-        let progress = Progress::new();
-        input::verified(&arguments.design, &arguments.allow, &progress)?
-    };
+    let progress = Progress::new();
+    let (design, verdict) = input::verified(&arguments.design, &arguments.allow, &progress)?;
+    progress.say("packaging");
     let record = Record::of(&design, &verdict);
     let mut fmus = Vec::new();
     if let Some(path) = fmi2_path {
@@ -87,6 +91,7 @@ pub(super) fn run(arguments: &PackageArguments, json: bool) -> Result<Exit, Fail
     if let Some(path) = system_path {
         fmus.push(system(&design, &record, [&runtimes, &plant_runtimes], path)?);
     }
+    drop(progress);
     let used = if needs.fmi2 { &runtimes } else { &fmi3_runtimes };
     let platforms = used.0.keys().map(|platform| platform.folder()).collect();
     let status = design.synthesis.status;

@@ -4,6 +4,9 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+/// Between two movements.
+const TICK: Duration = Duration::from_millis(100);
+
 /// A line on the standard error output that says what is being done.
 pub struct Progress(ProgressBar);
 
@@ -14,17 +17,25 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}") {
             bar.set_style(style);
         }
-        bar.enable_steady_tick(Duration::from_millis(100));
+        bar.enable_steady_tick(TICK);
         Self(bar)
     }
 
-    /// A bar with room for `total`, of which [`Self::advance`] tells.
+    /// The same, that says `what` from the start.
+    pub fn saying(what: impl std::fmt::Display) -> Self {
+        let progress = Self::new();
+        progress.say(what);
+        progress
+    }
+
+    /// A bar with room for `total`, of which [`Self::advance`] tells. It moves while one of them takes long, too.
     pub fn bar(total: u64) -> Self {
         let bar = ProgressBar::new(total);
-        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos} of {len} {msg} eta {eta}")
-        {
+        let template = "{spinner} {elapsed:>4} {wide_bar} {pos} of {len} {msg} eta {eta}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
+        bar.enable_steady_tick(TICK);
         Self(bar)
     }
 

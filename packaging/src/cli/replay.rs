@@ -38,6 +38,7 @@ pub(super) fn run(arguments: &ReplayArguments, json: bool) -> Result<Exit, Failu
     let bench = bench(&design)?;
     output::create_folder(&outputs.folder)?;
     let progress = Progress::bar(names.len() as u64);
+    progress.say("drives");
     // Opened anew, a few at a time: there may be more drives than files that can be open.
     let replayed = arguments.drives.par_iter().zip(&names).map(|drive| {
         let (drive, gap_s, fault_free) = (open(drive)?, arguments.gap, arguments.fault_free);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -21,9 +22,11 @@ use crate::report::peers::Peers;
 use crate::report::replay::{Replay, Summary};
 
 /// A page that was written.
-#[derive(Serialize)]
-struct Reported<'a> {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Reported<'a> {
+    /// The page.
     file: &'a Path,
+    /// Its size.
     bytes: usize,
 }
 
@@ -32,7 +35,9 @@ pub(super) fn run(arguments: &ReportArguments, json: bool) -> Result<Exit, Failu
     input::apart(design, output)?;
     // What a design lacks is what its page says first.
     let allowed = [Allowance::Uncertified, Allowance::Blind];
-    let (designed, verdict) = input::verified(design, &allowed, &Progress::new())?;
+    let progress = Progress::new();
+    let (designed, verdict) = input::verified(design, &allowed, &progress)?;
+    progress.say("writing the page");
     let evidence = Evidence {
         campaign: campaign
             .as_deref()
@@ -45,6 +50,7 @@ pub(super) fn run(arguments: &ReportArguments, json: bool) -> Result<Exit, Failu
     let page =
         documentation::report(&payload(&designed)?, &record, &evidence).map_err(Failure::bad)?;
     output::write(output, page.as_bytes())?;
+    drop(progress);
     let reported = Reported { file: output, bytes: page.len() };
     print(json, &reported, &format!("{}  {} bytes\n", output.display(), page.len()))?;
     Ok(Exit::Done)

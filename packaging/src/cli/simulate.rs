@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::Spec;
 
@@ -22,9 +23,11 @@ use crate::output;
 use crate::output::temporary::TemporaryFolder;
 
 /// What simulated drives showed, and where they are recorded.
-#[derive(Serialize)]
-struct Simulated {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Simulated {
+    /// What was detected, a drive each.
     detections: Vec<Detection>,
+    /// Where the drives are recorded.
     files: Files,
 }
 

@@ -1,5 +1,6 @@
 //! `steerguard verify`: the exact proof check of `steerguard-verify`, in the dress of this command.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_verify::{Figures, Refusal, Verdict};
 
@@ -8,27 +9,37 @@ use super::print::print;
 use super::text::read_text;
 use crate::cli::arguments::VerifyArguments;
 use crate::cli::failure::{Exit, Failure};
+use crate::cli::progress::Progress;
 
 /// What was proven, for machines.
-#[derive(Serialize)]
-struct Verified {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Verified {
+    /// SHA-256 of the design file's content.
     hash: String,
+    /// Whether the design's own drives miss the smallest fault of interest.
     blind: bool,
     #[serde(flatten)]
     figures: Option<Certified>,
     #[serde(flatten)]
     proof: Proof,
+    /// What is proven, in sentences.
     statements: Vec<String>,
+    /// What is neither proven nor recomputed.
     unchecked: Vec<String>,
 }
 
 /// The figures that are proven.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Certified {
+    /// Smallest gain from the fault over its band, per rad or N m.
     beta: f64,
+    /// Largest gain from the disturbances over their band, per unit of the first.
     gamma: f64,
+    /// beta / gamma, each channel in units of its smallest fault and of its bound.
     gap: f64,
+    /// gamma of all frequencies.
     gamma_full_band: f64,
+    /// The error decays at least like decay^k, sample by sample.
     decay: f64,
 }
 
@@ -40,12 +51,15 @@ impl From<Figures> for Certified {
 }
 
 /// The extent of a proof, or why there is none.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 pub(super) struct Proof {
     /// Whether the certified figures are proven.
     pub(super) holds: bool,
+    /// How many matrix inequalities were checked in exact arithmetic.
     inequalities: usize,
+    /// The smallest pivot of all their factorisations, positive; null where there is none.
     smallest_pivot: Option<f64>,
+    /// Why there is no proof; null where there is one.
     refusal: Option<String>,
 }
 
@@ -80,7 +94,9 @@ impl Proof {
 
 pub(super) fn run(arguments: &VerifyArguments, json: bool) -> Result<Exit, Failure> {
     let path = &arguments.design;
+    let progress = Progress::saying("proving the design file");
     let checked = steerguard_verify::verify(&read_text(path)?);
+    drop(progress);
     let proof = Proof::of(&checked);
     let verdict = checked.map_err(|refusal| input::refused(refusal, path))?;
     let (text, blind) = (verdict.to_string(), verdict.is_blind());

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use rayon::ThreadPoolBuilder;
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::worst::{BUDGET, Family, FamilyWorst, Objective, STARTS, Search, worst};
 use steerguard_designer::{Design, DesignStatus};
@@ -18,13 +19,15 @@ use crate::output::table::aligned;
 use crate::output::{self, create_folder};
 
 /// What a search found.
-#[derive(Serialize)]
-struct Report {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Report {
     /// What the design may be called.
     status: DesignStatus,
+    /// Seed of the search.
     seed: u64,
     /// Drives of a family at most.
     budget: u64,
+    /// Starts of the search.
     starts: usize,
     /// Largest J/J_th by family, of what the specification states.
     ratio: BTreeMap<&'static str, Option<f64>>,
@@ -32,24 +35,34 @@ struct Report {
     not_stated: BTreeMap<&'static str, Option<f64>>,
     /// The same of the second test's statistic over its threshold; none where it does not run.
     second_ratio: Option<BTreeMap<&'static str, Option<f64>>>,
+    /// The same of what the specification does not state.
     second_not_stated: Option<BTreeMap<&'static str, Option<f64>>>,
+    /// What was found, family by family.
     families: Vec<Row>,
     /// The same of the second test.
     second_families: Option<Vec<Row>>,
 }
 
 /// What was found of a family.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Row {
+    /// Its name.
     family: &'static str,
+    /// Whether the specification states all that its drives make use of.
     stated: bool,
+    /// Largest J/J_th, or statistic of the second test over its threshold; null where no drive was monitored.
     ratio: Option<f64>,
     /// The largest of the drives at random among them.
     ratio_at_random: Option<f64>,
+    /// Drives that the search took.
     drives: u64,
+    /// When it was that large, s.
     time_s: Option<f64>,
+    /// Speed then.
     v_x_m_per_s: Option<f64>,
+    /// Lateral acceleration then.
     lateral_acceleration_m_per_s2: Option<f64>,
+    /// The drive, for `steerguard simulate`.
     scenario: Option<PathBuf>,
 }
 

@@ -4,6 +4,7 @@
 //! - Times are sample times: an alarm belongs to the sample it was raised at, one communication step
 //!   before the importer sees it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_model_description::detector::DetectorState;
 
@@ -16,7 +17,7 @@ pub const START_UP_S: f64 = 2.0;
 pub(crate) const MONITORING: i32 = DetectorState::Monitoring.value();
 
 /// The figures of one run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Detection {
     /// v_x(0), m/s.
     pub initial_speed_m_per_s: f64,

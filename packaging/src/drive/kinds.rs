@@ -5,6 +5,7 @@
 //! - A table is flat: `kind`, what every kind has, and numbers that only some kinds have. The latter
 //!   have their defaults where they are left out, and are mistakes where the kind has no use for them.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steerguard_designer::document::{Allowed, Mistake, Mistakes};
 use steerguard_detector::Vehicle;
@@ -18,7 +19,7 @@ const LATERAL_M_PER_S2: [f64; 2] = [0.01, 20.0];
 const LARGEST_FAULT_DEG: f64 = 90.0;
 
 /// `[manoeuvre]`: course of steering and speed; the set speed is the run's initial speed.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ManoeuvreTable {
     /// Which one.
@@ -129,7 +130,7 @@ impl ManoeuvreTable {
 }
 
 /// `[fault]`: what the steering suffers from. Angles are at the road wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultTable {
     /// Which one.

@@ -15,6 +15,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steerguard_designer::document::{self, Allowed, Mistake, Mistakes};
 use steerguard_designer::spec::ActuatorTable;
@@ -41,7 +42,7 @@ const REPLACED: [(&str, &str); 5] = [
 ];
 
 /// `offset + amplitude sin(angular_frequency t)` from a start time on, or values.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Signal {
     /// Constant part, in the signal's unit.
@@ -141,7 +142,7 @@ impl Signal {
 }
 
 /// White noise of the sensors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorNoise {
     /// Standard deviation on v_x, m/s.
@@ -153,7 +154,7 @@ pub struct SensorNoise {
 }
 
 /// One co-simulation run per initial speed.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scenario {
     /// Length of each run, s.
@@ -203,7 +204,7 @@ pub struct Scenario {
 }
 
 /// Value of a parameter of the plant's FMU.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(untagged)]
 pub enum PlantParameter {
     /// Of a Boolean parameter.

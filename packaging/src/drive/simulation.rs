@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::drive::cosimulation::{self, CosimulationError, Run};
@@ -41,7 +42,7 @@ pub struct Simulation {
 }
 
 /// Files of a simulation.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Files {
     /// One CSV file for each run.
     pub csv: Vec<PathBuf>,

@@ -9,6 +9,7 @@
 
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_world::{Fault, FaultKind};
 
@@ -26,7 +27,7 @@ pub struct FaultRequest {
 }
 
 /// A fault as a run has it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Injection {
     /// Its kind.
     pub kind: FaultName,

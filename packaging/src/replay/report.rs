@@ -1,5 +1,6 @@
 //! What many drives showed together, for machines and for people.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::DesignStatus;
 
@@ -10,7 +11,7 @@ use crate::campaign::statistics::{CONFIDENCE, Estimate, rate_per_hour};
 use crate::output::table::aligned;
 
 /// What the drives showed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Summary {
     /// What the design may be called.
     pub status: DesignStatus,
@@ -25,7 +26,7 @@ pub struct Summary {
 }
 
 /// All recorded drives together, and all injected faults.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Total {
     /// Number of drives.
     pub drives: usize,
@@ -175,11 +176,11 @@ impl Summary {
 
     /// A line a drive.
     fn table(&self) -> String {
-        let mut rows = vec![
-            ["drive", "driven s", "monitored s", "%", "alarms", "first s", "largest J/J_th"]
-                .map(String::from)
-                .to_vec(),
+        let head = [
+            ["drive", "driven", "monitored", "", "alarms", "first", "largest"],
+            ["", "s", "s", "%", "", "s", "J/J_th"],
         ];
+        let mut rows: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
         for DriveReport { file, outcome, .. } in &self.drives {
             let or_none = |number: Option<String>| number.unwrap_or("-".into());
             rows.push(vec![
@@ -197,9 +198,11 @@ impl Summary {
 
     /// A line an injected fault.
     fn injected(&self) -> String {
-        let head =
-            ["drive", "fault", "size", "from s", "verdict", "delay s", "by", "largest J/J_th"];
-        let mut rows = vec![head.map(String::from).to_vec()];
+        let head = [
+            ["drive", "fault", "size", "from", "verdict", "delay", "by", "largest"],
+            ["", "", "", "s", "", "s", "", "J/J_th"],
+        ];
+        let mut rows: Vec<Vec<String>> = head.map(|row| row.map(String::from).to_vec()).to_vec();
         for drive in &self.drives {
             for run in &drive.injected {
                 let size = match (run.fault.angle_deg, run.fault.lost_share) {

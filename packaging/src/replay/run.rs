@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_drives::{
     Cause, Columns, DriveError, Finding, Reader, Resampler, Signal, Spacing, Wanted,
@@ -77,7 +78,7 @@ fn run_name(drive: &str, injection: Option<&Injection>) -> String {
 }
 
 /// What became of an injected fault.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct InjectedRun {
     /// The fault.
     #[serde(flatten)]
@@ -99,7 +100,7 @@ pub struct InjectedRun {
 }
 
 /// What a drive showed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct DriveReport {
     /// The file.
     pub file: PathBuf,

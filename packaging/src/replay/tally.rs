@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_model_description::EnumerationType;
 use steerguard_model_description::detector::{
@@ -17,7 +18,7 @@ use super::trace::TraceRow;
 use crate::drive::detection::MONITORING;
 
 /// An alarm.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Alarm {
     /// When it was raised, s.
     pub time_s: f64,
@@ -34,7 +35,7 @@ pub struct Alarm {
 }
 
 /// Time in a state.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct StateTime {
     /// The state.
     pub state: &'static str,
@@ -45,7 +46,7 @@ pub struct StateTime {
 }
 
 /// What a run showed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Outcome {
     /// Time of all samples, s.
     pub driven_s: f64,

@@ -1,5 +1,6 @@
 //! The figures of a design that people ask for first.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::sight::Sight;
 use steerguard_designer::spec::{MethodName, ThresholdKind};
@@ -16,7 +17,7 @@ use crate::report::second::Second;
 use crate::report::sight;
 
 /// Figures of a design.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct DesignSummary {
     /// What the design may be called.
     pub status: DesignStatus,
@@ -120,7 +121,7 @@ fn fault_free(design: &Design) -> Vec<String> {
 }
 
 /// What a share of the threshold's level comes from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct Cause {
     /// In words.
     pub cause: String,
@@ -129,7 +130,7 @@ pub struct Cause {
 }
 
 /// Figures of the synthesis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct SynthesisSummary {
     /// Fault sensitivity, per rad or N m.
     pub beta: f64,

@@ -1,5 +1,6 @@
 //! The second test of a design, for people.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use steerguard_designer::Design;
 use steerguard_designer::spec::ThresholdKind;
@@ -8,7 +9,7 @@ use steerguard_designer::threshold::second::SecondLevels;
 use steerguard_detector::Estimator;
 
 /// What a design's second test rests on.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, JsonSchema, Serialize)]
 pub struct SecondTest {
     /// The statistic that raises the alarm.
     pub threshold: f64,
@@ -19,7 +20,7 @@ pub struct SecondTest {
 }
 
 /// Whether a design has a second test.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Second {
     /// None is asked for.

@@ -1,0 +1,121 @@
+"""What commands print with --json is what their schemas say, key by key; and every key is described."""
+
+import json
+import subprocess
+
+import jsonschema
+import pytest
+from quick import KNOWN, QUICK, recorded
+
+ROAD = ["--drives", "2", "--duration", "5"]
+
+
+def run(steerguard, folder, *arguments):
+    return subprocess.run([steerguard, "--json", *map(str, arguments)], cwd=folder, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def folder(steerguard, fixtures, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("json")
+    (folder / "drive.csv").write_text(recorded(steerguard, fixtures), encoding="utf-8")
+    (folder / "known.toml").write_text(KNOWN, encoding="utf-8")
+    (folder / "quick.toml").write_text(QUICK, encoding="utf-8")
+    (folder / "short.toml").write_text("duration_s = 8\ninitial_speeds_m_per_s = [15]\n", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def schema(steerguard):
+    def of(name):
+        text = subprocess.run([steerguard, "schema", name], check=True, capture_output=True, text=True).stdout
+        return json.loads(text)
+
+    return of
+
+
+def objects(schema):
+    """Every schema of an object inside another, itself included."""
+    if isinstance(schema, dict):
+        if "properties" in schema:
+            yield schema
+        for inner in schema.values():
+            yield from objects(inner)
+    elif isinstance(schema, list):
+        for inner in schema:
+            yield from objects(inner)
+
+
+def closed(schema):
+    """The schema with no other keys than those it names: it must know all that is printed."""
+    for of in objects(schema):
+        of["additionalProperties"] = False
+    return schema
+
+
+def names(steerguard):
+    text = subprocess.run([steerguard, "schema", "--help"], check=True, capture_output=True, text=True).stdout
+    return [line.strip().removeprefix("- ").split(":")[0] for line in text.splitlines() if line.strip().startswith("- ")]
+
+
+def test_every_key_is_described(steerguard, schema):
+    of_all = {name: schema(name) for name in names(steerguard)}
+    assert len(of_all) == 16
+    for name, of in of_all.items():
+        jsonschema.Draft202012Validator.check_schema(of)
+        # The one key of an alternative is described where the alternative is.
+        keys = [
+            (key, inner.get("description") or len(part["properties"]) == 1 and part.get("description"))
+            for part in objects(of)
+            for key, inner in part["properties"].items()
+        ]
+        assert keys, name
+        assert not [key for key, described in keys if not described], name
+
+
+# By what schema: arguments, exit status. In this order: some read what others write. The main job takes too long here;
+# what it prints is composed of what these print.
+PRINTED = {
+    "init": (["init", "car.toml"], 0),
+    "identify": (["identify", "drive.csv", "--known", "known.toml", "-o", "identified.toml"], 0),
+    "design": (["design", "quick.toml", "-o", "quick.json"], 1),
+    "verify": (["verify", "{fixtures}/design.json"], 0),
+    "package": (["package", "{fixtures}/design.json", "-o", "D.fmu"], 0),
+    "check": (["check", "{fixtures}/SteeringFaultDetector.fmu"], 0),
+    "simulate": (["simulate", "--detector", "{fixtures}/SteeringFaultDetector.fmu", "--scenario", "short.toml"], 0),
+    "scenario": (["simulate", "--print-scenario"], 0),
+    "campaign": (["campaign", "{fixtures}/design.json", *ROAD, "-o", "campaign"], 0),
+    "campaign-drive": (["campaign", "{fixtures}/design.json", *ROAD, "--drive", "1"], 0),
+    "campaign-signals": (["campaign", "{fixtures}/design.json", *ROAD, "--signals", "signals.parquet"], 0),
+    "campaign-worst": (["campaign", "{fixtures}/design.json", "--worst", "--budget", "100", "-o", "worst"], 0),
+    "replay": (["replay", "{fixtures}/design.json", "drive.csv", "--fault", "bias=1@5s", "-o", "replayed"], 0),
+    "report": (["report", "{fixtures}/design.json", "--replay", "replayed", "-o", "report.html"], 0),
+    "failure": (["identify", "drive.csv"], 2),
+}
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_what_is_printed_is_what_the_schema_says(steerguard, fixtures, folder, schema, name):
+    arguments, status = PRINTED[name]
+    done = run(steerguard, folder, *(word.format(fixtures=fixtures) for word in arguments))
+    assert done.returncode == status, done.stderr
+    printed = json.loads(done.stderr if name == "failure" else done.stdout)
+    jsonschema.validate(printed, closed(schema(name)))
+
+
+def test_a_key_of_another_type_or_name_is_not_what_the_schema_says(steerguard, fixtures, schema):
+    printed = json.loads(run(steerguard, fixtures, "verify", fixtures / "design.json").stdout)
+    of = closed(schema("verify"))
+    jsonschema.validate(printed, of)
+    for other in ({"hash": 1}, {"new": 1}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(printed | other, of)
+    del printed["holds"]
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(printed, of)
+
+
+def test_the_main_job_prints_what_other_commands_print(schema):
+    job, parts = schema("main-job"), schema("design")
+    assert job["$defs"]["DesignSummary"] == parts["$defs"]["DesignSummary"]
+    assert job["$defs"]["Detection"] == schema("simulate")["$defs"]["Detection"]
+    assert job["$defs"]["Packaged"] == schema("package")["$defs"]["Packaged"]
