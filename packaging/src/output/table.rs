@@ -30,7 +30,7 @@ pub fn aligned(rows: &[Vec<String>], indent: &str) -> String {
 }
 
 /// Whether a cell is a number or stands for a missing one.
-fn is_number(cell: &str) -> bool {
+pub(super) fn is_number(cell: &str) -> bool {
     cell == "-" || cell.parse::<f64>().is_ok()
 }
 
