@@ -14,6 +14,13 @@ use crate::drive::figure::{Area, PlotError, SCALE, decimal, document, font, line
 
 /// Size of a chart, figure pixels.
 const SIZE: (u32, u32) = (460, 280);
+/// What lies around the plot: margins, and room for labels, figure pixels.
+const LEFT: [u32; 2] = [6, 66];
+const RIGHT: u32 = 14;
+const TOP: u32 = 10;
+const BOTTOM: [u32; 2] = [6, 44];
+/// Strips of a chart that tell their values.
+const STRIPS: u32 = 50;
 
 /// Stand-ins for the variables of the style sheet, by place.
 const STAND_INS: [RGBColor; 8] = [
@@ -109,6 +116,7 @@ impl Chart {
             &format!("<svg role=\"img\" aria-label=\"{}\" ", escaped(&self.alt)),
             1,
         );
+        let svg = svg.replacen("</svg>", &format!("{}</svg>", self.values()), 1);
         let title = escaped(&self.title);
         Ok(format!(
             "<figure>\n<figcaption>{title}</figcaption>\n{svg}\n{}</figure>\n",
@@ -119,12 +127,12 @@ impl Chart {
     fn draw(&self, root: &Area<'_>) -> Result<(), PlotError> {
         let mut builder = ChartBuilder::on(root);
         builder
-            .margin_left(6 * SCALE)
-            .margin_right(14 * SCALE)
-            .margin_top(10 * SCALE)
-            .margin_bottom(6 * SCALE)
-            .set_label_area_size(LabelAreaPosition::Bottom, 44 * SCALE)
-            .set_label_area_size(LabelAreaPosition::Left, 66 * SCALE);
+            .margin_left(LEFT[0] * SCALE)
+            .margin_right(RIGHT * SCALE)
+            .margin_top(TOP * SCALE)
+            .margin_bottom(BOTTOM[0] * SCALE)
+            .set_label_area_size(LabelAreaPosition::Bottom, BOTTOM[1] * SCALE)
+            .set_label_area_size(LabelAreaPosition::Left, LEFT[1] * SCALE);
         let mut chart = builder.build_cartesian_2d(self.x.range.clone(), self.y.range.clone())?;
         if let Some((_, spans)) = &self.shades {
             let Range { start, end } = self.y.range;
@@ -188,6 +196,39 @@ impl Chart {
         Ok(())
     }
 
+    /// Invisible strips that tell what the lines are there, where a pointer rests on them; none over a logarithm.
+    fn values(&self) -> String {
+        let named =
+            || self.lines.iter().filter(|line| !line.name.is_empty() && line.points.len() > 2);
+        if self.x.logarithmic || named().next().is_none() {
+            return String::new();
+        }
+        let left = LEFT[0] + LEFT[1];
+        let width = f64::from((SIZE.0 - left - RIGHT) * SCALE) / f64::from(STRIPS);
+        let height = (SIZE.1 - TOP - BOTTOM[0] - BOTTOM[1]) * SCALE;
+        let mut strips = String::from("<g class=\"values\" fill=\"transparent\">\n");
+        for strip in 0..STRIPS {
+            let share = (f64::from(strip) + 0.5) / f64::from(STRIPS);
+            let x = self.x.range.start + share * (self.x.range.end - self.x.range.start);
+            let told = named().filter_map(|line| {
+                Some(format!("\n{} {}", escaped(&line.name), brief(at(&line.points, x)?)))
+            });
+            let told: String = told.collect();
+            if !told.is_empty() {
+                let from = f64::from(left * SCALE) + f64::from(strip) * width;
+                let _infallible = writeln!(
+                    strips,
+                    "<rect x=\"{from:.1}\" y=\"{}\" width=\"{width:.1}\" height=\"{height}\">\
+                     <title>{} {}{told}</title></rect>",
+                    TOP * SCALE,
+                    escaped(self.x.label),
+                    brief(x),
+                );
+            }
+        }
+        strips + "</g>\n"
+    }
+
     fn legend(&self) -> String {
         let mut items = String::new();
         // As they lie on each other.
@@ -222,6 +263,21 @@ impl Chart {
     }
 }
 
+/// Where a line is at `x`, straight between its points; `None` beside it.
+fn at(points: &[(f64, f64)], x: f64) -> Option<f64> {
+    let pair =
+        points.windows(2).find(|pair| pair[0].0 <= x && x <= pair[1].0 && pair[0].0 < pair[1].0)?;
+    let share = (x - pair[0].0) / (pair[1].0 - pair[0].0);
+    Some(pair[0].1 + share * (pair[1].1 - pair[0].1))
+}
+
+/// Three digits of a number.
+fn brief(x: f64) -> String {
+    let magnitude = if x == 0.0 { 0.0 } else { x.abs().log10().floor() };
+    let digits = (2.0 - magnitude).clamp(0.0, 8.0) as usize;
+    format!("{x:.digits$}")
+}
+
 fn stand_in(place: usize) -> RGBColor {
     STAND_INS[place % STAND_INS.len()]
 }
@@ -247,4 +303,34 @@ fn themed(svg: &str) -> String {
         "",
         1,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_tell_what_the_lines_are() {
+        let line = |name: &str, slope: f64| Line {
+            name: name.into(),
+            points: (0..=10).map(|k| (f64::from(k), slope * f64::from(k))).collect(),
+            color: 0,
+            dash: Dash::Solid,
+        };
+        let mut chart = Chart {
+            title: "t".into(),
+            alt: "a".into(),
+            x: Scale::linear("time [s]", 0.0..20.0),
+            y: Scale::linear("J", 0.0..1.0),
+            areas: Vec::new(),
+            lines: vec![line("J & more", 0.001), line("", 1.0)],
+            shades: None,
+        };
+        let figure = chart.figure().unwrap();
+        // The middle of the strip, whose width is 0.4 s; the lines end at 10 s.
+        assert!(figure.contains("<title>time [s] 2.20\nJ &amp; more 0.00220</title>"), "{figure}");
+        assert_eq!(figure.matches("<title>").count(), 25);
+        chart.x.logarithmic = true;
+        assert_eq!(chart.values(), "");
+    }
 }

@@ -1,5 +1,7 @@
 //! What a replay's folder adds to a page: recorded drives, as they are and with injected faults.
 
+use std::path::Path;
+
 use serde::Deserialize;
 
 use super::html::{Cells, paragraph, table};
@@ -22,6 +24,7 @@ struct Total {
     alarms: u64,
     largest_ratio: Option<f64>,
     injected: usize,
+    injected_exposed: usize,
     injected_seen: usize,
     smallest_seen_deg: Option<f64>,
 }
@@ -33,7 +36,62 @@ struct Drive {
     monitored_share: f64,
     alarms: Vec<serde::de::IgnoredAny>,
     largest_ratio: Option<f64>,
-    injected: Vec<serde::de::IgnoredAny>,
+    injected: Vec<Injected>,
+}
+
+impl Drive {
+    /// Its file, without the folders.
+    fn name(&self) -> String {
+        let path = Path::new(&self.file);
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    }
+}
+
+/// An injected fault.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+struct Injected {
+    kind: String,
+    angle_deg: Option<f64>,
+    lost_share: Option<f64>,
+    onset_s: f64,
+    verdict: String,
+    delay_s: Option<f64>,
+    cause: Option<String>,
+    largest_ratio: Option<f64>,
+}
+
+impl Injected {
+    fn row(&self, drive: &Drive) -> Vec<String> {
+        let size = match (self.angle_deg, self.lost_share) {
+            (Some(angle_deg), _) => format!("{angle_deg:+} deg"),
+            (None, share) => format!("{:.0} %", 100.0 * share.unwrap_or_default()),
+        };
+        vec![
+            drive.name(),
+            self.kind.clone(),
+            size,
+            format!("{:.1}", self.onset_s),
+            self.verdict.clone(),
+            or_none(self.delay_s),
+            self.cause.clone().unwrap_or("-".into()),
+            or_none(self.largest_ratio),
+        ]
+    }
+}
+
+fn or_none(number: Option<f64>) -> String {
+    number.map_or("-".into(), |number| format!("{number:.2}"))
+}
+
+/// A table with this head.
+fn headed<const N: usize>(
+    caption: &str,
+    head: [&str; N],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> String {
+    let head = head.map(String::from).to_vec();
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
+    table(caption, Cells::Figures, &rows)
 }
 
 /// A replay.
@@ -64,27 +122,31 @@ impl Replay {
         text += ".";
         if total.injected > 0 {
             text += &format!(
-                " Of {} injected faults {} were seen",
-                total.injected, total.injected_seen
+                " Of {} injected faults {} acted while it monitored and no alarm stood; of these {} were seen",
+                total.injected, total.injected_exposed, total.injected_seen
             );
             if let Some(deg) = total.smallest_seen_deg {
                 text += &format!(", the smallest of {:.2} degrees", deg.abs());
             }
             text += ".";
         }
-        let head = ["drive", "s", "monitored %", "alarms", "largest J/J_th", "faults injected"];
-        let rows = drives.iter().map(|x| {
+        let recorded = drives.iter().map(|x| {
             vec![
-                x.file.clone(),
+                x.name(),
                 format!("{:.1}", x.driven_s),
                 format!("{:.1}", 100.0 * x.monitored_share),
                 x.alarms.len().to_string(),
-                x.largest_ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")),
-                x.injected.len().to_string(),
+                or_none(x.largest_ratio),
             ]
         });
-        let rows: Vec<Vec<String>> =
-            std::iter::once(head.map(String::from).to_vec()).chain(rows).collect();
-        paragraph(&text) + &table("Recorded drives", Cells::Figures, &rows)
+        let head = ["drive", "s", "monitored %", "alarms", "largest J/J_th"];
+        let mut html = paragraph(&text) + &headed("Recorded drives", head, recorded);
+        if total.injected > 0 {
+            let injected = drives.iter().flat_map(|x| x.injected.iter().map(|fault| fault.row(x)));
+            let head =
+                ["drive", "fault", "size", "from s", "verdict", "delay s", "by", "largest J/J_th"];
+            html += &headed("Injected faults", head, injected);
+        }
+        html
     }
 }
