@@ -21,7 +21,8 @@ def out_of_docs(page, match):
 
 def typeset(page, text):
     text = re.sub(r"\$\$(.+?)\$\$", lambda m: "\n" + convert(m[1].strip(), display="block") + "\n", text, flags=re.DOTALL)
-    text = re.sub(r"\$`([^`]+)`\$", lambda m: convert(m[1]), text)
+    # In a span, since Markdown takes what begins a line with <math> for a paragraph of its own.
+    text = re.sub(r"\$`([^`]+)`\$", lambda m: f"<span>{convert(m[1])}</span>", text)
     return re.sub(r"\[([^\]]+)\]\((\.\.?/[^)]+)\)", lambda m: out_of_docs(page, m), text)
 
 
