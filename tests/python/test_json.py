@@ -119,3 +119,16 @@ def test_the_main_job_prints_what_other_commands_print(schema):
     assert job["$defs"]["DesignSummary"] == parts["$defs"]["DesignSummary"]
     assert job["$defs"]["Detection"] == schema("simulate")["$defs"]["Detection"]
     assert job["$defs"]["Packaged"] == schema("package")["$defs"]["Packaged"]
+
+
+def test_the_page_has_the_injected_faults_one_by_one(steerguard, fixtures, folder, tmp_path):
+    design = fixtures / "design.json"
+    replay = run(steerguard, folder, "replay", design, "drive.csv", "--fault", "bias=1@5s", "-o", tmp_path / "replay")
+    [drive] = json.loads(replay.stdout)["drives"]
+    page = tmp_path / "page.html"
+    run(steerguard, folder, "report", design, "--replay", tmp_path / "replay", "-o", page).check_returncode()
+    text = page.read_text(encoding="utf-8")
+    assert len(drive["injected"]) == 2
+    for fault in drive["injected"]:
+        cells = ["drive.csv", fault["kind"], f"{fault['angle_deg']:+g} deg", "5.0", fault["verdict"]]
+        assert "".join(f"<td>{cell}</td>" for cell in cells) in text
