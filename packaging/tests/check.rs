@@ -352,7 +352,6 @@ fn exported_symbols() {
 
 #[test]
 fn baked_blocks() {
-    let library = &*LIBRARY;
     let section = |bytes: &[u8]| {
         let file = object::File::parse(bytes).unwrap();
         let names = [".steerguard", "__steerguard", ".sguard"];

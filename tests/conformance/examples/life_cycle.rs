@@ -36,8 +36,10 @@ fn live_fmi2(library: &Path, guid: &CStr, inputs: [f64; 4]) {
     let counted = host::callbacks();
     let own = fmi2CallbackFunctions { allocateMemory: None, freeMemory: None, ..counted };
     for callbacks in [counted, own] {
+        // The plant refuses a step with it, and has to be reset then.
+        let survives_nan = !library.to_string_lossy().contains("Plant");
         // SAFETY: pointers to live values; the calls follow the standard's sequence.
-        unsafe { run_fmi2(&functions, guid, inputs, &callbacks) };
+        unsafe { run_fmi2(&functions, guid, inputs, survives_nan, &callbacks) };
     }
     let counts = host::counts();
     assert_eq!(counts.allocations, counts.frees);
@@ -53,6 +55,7 @@ unsafe fn run_fmi2(
     f: &Functions,
     guid: &CStr,
     inputs: [f64; 4],
+    survives_nan: bool,
     callbacks: &fmi2CallbackFunctions,
 ) {
     // SAFETY: all pointers are to live values of the announced size.
@@ -71,8 +74,7 @@ unsafe fn run_fmi2(
         let drive = |from: u32| {
             for k in from..from + 100 {
                 let mut inputs = inputs;
-                // What the detector survives with a warning, and the plant refuses.
-                if k == 50 {
+                if k == 50 && survives_nan {
                     inputs[1] = f64::NAN;
                 }
                 (f.fmi2SetReal)(c, [0, 1, 2, 3].as_ptr(), 4, inputs.as_ptr());
@@ -138,13 +140,13 @@ unsafe extern "C" fn log(
 /// # Safety
 /// `code` is a library of FMI 3.0.
 unsafe fn run_fmi3(code: &Library, token: &CStr, inputs: [f64; 4], events: fmi3Boolean) {
-    // SAFETY: the FMI 3.0 headers declare the functions with these types.
     macro_rules! call {
         ($name:ident($($argument:expr),* $(,)?)) => {
-            (unsafe { *code.get::<fmi3::$name>(stringify!($name)).unwrap() })($($argument),*)
+            (*code.get::<fmi3::$name>(stringify!($name)).unwrap())($($argument),*)
         };
     }
-    // SAFETY: all pointers are to live values of the announced size.
+    // SAFETY: the FMI 3.0 headers declare the functions with these types; all pointers are to live values of the
+    // announced size.
     unsafe {
         let instantiate = |token: &CStr| {
             let (name, token) = (c"watched".as_ptr(), token.as_ptr());

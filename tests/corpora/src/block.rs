@@ -50,7 +50,9 @@ pub fn run(bytes: &[u8]) {
     let open = baked::open(&block).expect("what is sealed opens");
     assert_eq!((open.guid, open.payload), ("{fuzz}", payload.as_slice()));
     if let Ok(design) = BakedDesign::decode(open.payload) {
-        assert_eq!(design.encode().unwrap().as_slice(), payload, "decoded and encoded again");
+        // Bytes of what is absent may be any, and zero has two signs: the design is the same, not its bytes.
+        let again = BakedDesign::decode(&design.encode().unwrap());
+        assert_eq!(again, Ok(design), "encoded and decoded again");
     }
     let Ok(mut model) = DetectorModel::new(open.payload) else { return };
     assert!(model.sample_period_s() > 0.0 && model.sample_period_s().is_finite());
