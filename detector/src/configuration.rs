@@ -81,7 +81,7 @@ impl Configuration {
             ("centre-of-gravity height", not_negative(v.centre_of_gravity_height_m)),
             ("longitudinal drag", not_negative(v.longitudinal_drag_n_m_s2_per_m2)),
             ("lateral drag", not_negative(v.lateral_drag_n_s2_per_m2)),
-            ("sampling period", positive(self.model.sampling_period_s)),
+            ("sampling period", measurable(self.model.sampling_period_s)),
             ("v_x range", proper(range.v_x) && range.v_x.min > 0.0),
             ("v_y range", proper(range.v_y) && range.v_y.contains(0.0)),
             ("r range", proper(range.r)),
@@ -95,7 +95,7 @@ impl Configuration {
             ("E", all_finite(g.e.as_flattened())),
             ("window", (1..=MAX_WINDOW).contains(&e.window)),
             ("weights", e.weights.iter().all(|&x| not_negative(x))),
-            ("threshold", positive(e.threshold)),
+            ("threshold", measurable(e.threshold)),
             ("uncertainty share", not_negative(e.uncertainty_share)),
             ("start-up amplitude", not_negative(e.start_up_amplitude)),
             ("start-up decay", not_negative(e.start_up_decay) && e.start_up_decay < 1.0),
@@ -146,6 +146,13 @@ impl Configuration {
 #[inline(never)]
 pub(crate) fn positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
+}
+
+/// Whether `x` is positive, and so far from what an f64 holds that products with times and factors are
+/// finite and positive too.
+#[inline(never)]
+pub(crate) fn measurable(x: f64) -> bool {
+    (1e-100..=1e100).contains(&x)
 }
 
 /// Whether `x` is finite and not negative.

@@ -1,7 +1,7 @@
 //! The detector: observer, evaluation and decision, armed only where its guarantee holds.
 
 use crate::algebra::all_finite;
-use crate::configuration::{not_negative, positive};
+use crate::configuration::{measurable, not_negative};
 use crate::deviation::Standing;
 use crate::filter::Kalman;
 use crate::onset::OnsetTest;
@@ -112,6 +112,28 @@ pub struct Output {
     pub second_ratio: f64,
     /// What the second test knows of the fault, where an alarm stands and it has found one.
     pub estimate: Option<FaultEstimate>,
+}
+
+impl Output {
+    /// Whether everything that is told, J over J_th too, is a finite number, and J_th positive.
+    fn is_finite(&self) -> bool {
+        let Measurement { v_x_m_per_s, r_rad_per_s } = self.residual;
+        let (fault_rad, bound_rad) =
+            self.estimate.map_or((0.0, 0.0), |x| (x.fault_rad, x.bound_rad));
+        self.j_th > 0.0
+            && all_finite(&[
+                v_x_m_per_s,
+                r_rad_per_s,
+                self.v_y_hat,
+                self.j_rms,
+                self.j_th,
+                self.j_rms / self.j_th,
+                self.detectability,
+                self.second_ratio,
+                fault_rad,
+                bound_rad,
+            ])
+    }
 }
 
 /// All that changes from sample to sample.
@@ -311,13 +333,13 @@ impl Detector {
         self.threshold_factor
     }
 
-    /// Sets the factor on J_th, positive: that of the samples to come, and before the first of the
+    /// Sets the factor on J_th, 1e-100 to 1e100: that of the samples to come, and before the first of the
     /// output too.
     ///
     /// # Errors
-    /// [`ConfigurationError`] where it is not finite or not positive.
+    /// [`ConfigurationError`] where it is none of these.
     pub fn set_threshold_factor(&mut self, factor: f64) -> Result<(), ConfigurationError> {
-        if !positive(factor) {
+        if !measurable(factor) {
             return Err(ConfigurationError { field: "threshold factor" });
         }
         self.threshold_factor = factor;
@@ -442,7 +464,6 @@ impl Detector {
         let responses = &state.responses;
         let windows = [&state.rms, &responses.uncertainty_rms, &responses.fault_rms];
         let output = &state.output;
-        let Measurement { v_x_m_per_s, r_rad_per_s } = output.residual;
         let possible = all_finite(&state.z)
             && windows.iter().all(|rms| rms.is_possible(window))
             && state.start_up.samples <= window
@@ -453,22 +474,13 @@ impl Detector {
             && all_finite(responses.sensed.as_flattened())
             && all_finite(&responses.fault)
             && state.motions.iter().all(|x| all_finite(&[x.v_y_m_per_s, x.r_rad_per_s]))
-            && all_finite(&[state.filtered_v_x_m_per_s, output.second_ratio])
+            && state.filtered_v_x_m_per_s.is_finite()
             && state.filter.is_possible()
             && state.onsets.is_possible()
-            && output.estimate.is_none_or(|x| all_finite(&[x.fault_rad, x.bound_rad]))
             && all_finite(&state.last.vector())
             && output.alarm == (output.alarm_cause != AlarmCause::None)
             && actuators.iter().all(|(state, of)| state.is_possible(of.delay_samples(period_s)))
-            && all_finite(&[
-                v_x_m_per_s,
-                r_rad_per_s,
-                output.v_y_hat,
-                output.j_rms,
-                output.detectability,
-            ])
-            && all_finite(&[output.j_th])
-            && output.j_th > 0.0;
+            && output.is_finite();
         if !possible {
             return Err(StateError);
         }
@@ -526,6 +538,9 @@ impl Detector {
                     self.observe(y, u, slowest_rad - delta_rad, loading);
                 }
                 self.decide(y, stale);
+                if !self.state.output.is_finite() {
+                    self.lose();
+                }
             } else {
                 self.rest();
             }
@@ -742,18 +757,37 @@ impl Detector {
             })
     }
 
+    /// Nothing is known of this sample; what was found before stands.
+    fn clear_output(&mut self) {
+        let Output { alarm, alarm_cause, first_alarm, estimate, .. } = self.state.output;
+        self.state.output = Output {
+            j_th: self.threshold_factor * self.evaluation.threshold,
+            alarm,
+            alarm_cause,
+            first_alarm,
+            estimate,
+            ..Output::default()
+        };
+    }
+
+    /// A result is no finite number, which numbers that no vehicle and no design have can make it: everything
+    /// starts anew at the next sample, and what is told until then is finite.
+    #[cold]
+    fn lose(&mut self) {
+        self.state.stop_observer();
+        self.state.followed = 0;
+        if let Some(second) = &self.second {
+            second.forget(&mut self.state.filter, &mut self.state.onsets);
+        }
+        self.state.output.estimate = None;
+        self.clear_output();
+        self.state.output.monitor = Monitor::OutOfRange;
+    }
+
     /// Alarm and condition of this sample.
     fn decide(&mut self, y: Measurement, stale: bool) {
         if !self.state.tracking {
-            let Output { alarm, alarm_cause, first_alarm, estimate, .. } = self.state.output;
-            self.state.output = Output {
-                j_th: self.threshold_factor * self.evaluation.threshold,
-                alarm,
-                alarm_cause,
-                first_alarm,
-                estimate,
-                ..Output::default()
-            };
+            self.clear_output();
         }
         let astray = !stale && self.is_astray(y);
         let state_cause = if stale {

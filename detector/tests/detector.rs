@@ -420,6 +420,9 @@ fn a_configuration_out_of_range_is_refused_by_field() {
     reject(|c| c.evaluation.window = 0, "window");
     reject(|c| c.evaluation.window = 257, "window");
     reject(|c| c.evaluation.threshold = 0.0, "threshold");
+    // Their products with factors and times must be numbers too.
+    reject(|c| c.evaluation.threshold = 1e101, "threshold");
+    reject(|c| c.model.sampling_period_s = 1e101, "sampling period");
     reject(|c| c.evaluation.start_up_decay = 1.0, "start-up decay");
     reject(|c| c.actuator.lag_s = -0.1, "actuator lag");
     reject(|c| c.actuator.lag_s = NAN, "actuator lag");
@@ -428,6 +431,43 @@ fn a_configuration_out_of_range_is_refused_by_field() {
     reject(|c| c.actuator.delay_s = NAN, "actuator delay");
     reject(|c| c.actuator.rate_limit_rad_per_s = Some(0.0), "actuator rate limit");
     reject(|c| c.actuator.rate_limit_rad_per_s = Some(f64::INFINITY), "actuator rate limit");
+}
+
+/// Numbers of a design that no designer writes, each in its range.
+#[test]
+fn no_design_makes_an_output_that_is_not_finite() {
+    let spoilt: [fn(&mut Configuration); 4] = [
+        // J overflows.
+        |c| c.evaluation.weights = [1e300; 2],
+        // J_th overflows.
+        |c| {
+            c.evaluation.uncertainty_share = 1e300;
+            c.deviations.uncertainty.bank_m_per_s2 = 1e20;
+        },
+        // What the smallest fault would make does, and J_th is a number.
+        |c| c.deviations.smallest_fault = [0.0, 1e300, 1e300],
+        // The residual is 0 times infinity.
+        |c| c.gains.e = [[1e308; 2]; 3],
+    ];
+    for spoil in spoilt {
+        let mut configuration = configuration();
+        spoil(&mut configuration);
+        let mut detector = Detector::new(&configuration).unwrap();
+        let mut lost = 0;
+        for k in 0..100 {
+            let output = *detector.sample(y(15.0, 0.1 * f64::from(k % 3)), u(100.0, 0.02));
+            let [v_x, r] = output.residual.vector();
+            let Output { v_y_hat, j_rms, j_th, detectability, second_ratio, .. } = output;
+            let ratio = j_rms / j_th;
+            let numbers = [v_x, r, v_y_hat, j_rms, j_th, ratio, detectability, second_ratio];
+            assert!(numbers.iter().all(|x| x.is_finite()), "sample {k}: {output:?}");
+            lost += u32::from(output.monitor == Monitor::OutOfRange);
+            // What is told can be restored.
+            let state = *detector.state();
+            detector.set_state(&state).unwrap();
+        }
+        assert!(lost > 0, "nothing overflows");
+    }
 }
 
 proptest! {

@@ -7,6 +7,9 @@ use std::path::Path;
 /// Largest file of text that is read, bytes: specification, scenario, design, block of a campaign.
 pub const MAX_TEXT_BYTES: u64 = 64 << 20;
 
+/// Largest library that is read, bytes: with debugging information they have some millions.
+pub const MAX_LIBRARY_BYTES: u64 = 64 << 20;
+
 /// The bytes of the file at `path`, `most` at most. Pipes are read, as far as that; nothing is read of a larger file.
 ///
 /// # Errors

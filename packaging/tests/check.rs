@@ -12,6 +12,7 @@ use std::sync::LazyLock;
 use object::{Object as _, ObjectSection as _};
 use proptest::prelude::*;
 use steerguard::check::check;
+use steerguard::fmu::bill::{BILL, digest};
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
@@ -85,6 +86,20 @@ fn without(prefix: &str) -> Vec<u8> {
 /// The FMU with the bytes of an entry changed.
 fn edited(name: &str, edit: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     changed(|entries| edit(&mut entries.iter_mut().find(|(n, _)| n == name).unwrap().1))
+}
+
+/// The FMU with another library, of which the bill of materials states the digest.
+fn with_library(edit: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    changed(|entries| {
+        let entry =
+            |entries: &Entries, name: &str| entries.iter().position(|(n, _)| n == name).unwrap();
+        let (library, bill) = (entry(entries, &LIBRARY), entry(entries, BILL));
+        let before = digest(&entries[library].1);
+        edit(&mut entries[library].1);
+        let text = String::from_utf8(entries[bill].1.clone()).unwrap();
+        assert!(text.contains(&before));
+        entries[bill].1 = text.replace(&before, &digest(&entries[library].1)).into_bytes();
+    })
 }
 
 /// The FMU with its description changed.
@@ -295,25 +310,26 @@ fn binaries() {
         entries.push(("sources/a.c".to_owned(), vec![]));
     });
     assert_found(&sources, "note no-binary");
-    assert_found(&with("binaries/amiga/a"), "warning unknown-platform");
-    assert_found(&with("binaries/win32/other.dll"), "error binary-missing");
-    let rename = |to: &'static str| {
-        changed(|all| all.iter_mut().find(|(name, _)| name == library).unwrap().0 = to.to_owned())
-    };
-    assert_found(&rename("binaries/win64/SteeringFaultDetector.dll"), "error binary-format");
-    assert_found(
-        &rename("binaries/aarch64-windows/SteeringFaultDetector.dll"),
-        "error binary-format",
-    );
-    assert_found(&edited(library, |bytes| bytes.truncate(100)), "error binary-format");
-    assert_found(&edited(library, |bytes| *bytes = b"text".to_vec()), "error binary-format");
+    assert_found(&with("binaries/amiga/a"), "warning unknown-platform, note no-digest");
+    assert_found(&with("binaries/win32/other.dll"), "error binary-missing, note no-digest");
+    for other in ["win64", "aarch64-windows"] {
+        let fmu = changed(|entries| {
+            let to = format!("binaries/{other}/SteeringFaultDetector.dll");
+            let bill = entries.iter_mut().find(|(name, _)| name == BILL).unwrap();
+            bill.1 = String::from_utf8(bill.1.clone()).unwrap().replace(&**library, &to).into();
+            entries.iter_mut().find(|(name, _)| name == library).unwrap().0 = to;
+        });
+        assert_found(&fmu, "error binary-format");
+    }
+    assert_found(&with_library(|bytes| bytes.truncate(100)), "error binary-format");
+    assert_found(&with_library(|bytes| *bytes = b"text".to_vec()), "error binary-format");
 }
 
 #[test]
 #[cfg(target_os = "linux")]
 fn exported_symbols() {
     let rename = |from: &'static [u8], to: &'static [u8]| {
-        edited(&LIBRARY, move |bytes| replace(bytes, from, to))
+        with_library(move |bytes| replace(bytes, from, to))
     };
     let fmu = rename(b"\0fmi2DoStep\0", b"\0fmi2DoStop\0");
     assert_found(&fmu, "error missing-function, warning other-symbols");
@@ -336,7 +352,6 @@ fn exported_symbols() {
 
 #[test]
 fn baked_blocks() {
-    let library = &*LIBRARY;
     let section = |bytes: &[u8]| {
         let file = object::File::parse(bytes).unwrap();
         let names = [".steerguard", "__steerguard", ".sguard"];
@@ -344,17 +359,48 @@ fn baked_blocks() {
         section.file_range().unwrap().0 as usize
     };
     let runtime = Runtimes::detector().0.remove(&Platform::HOST.unwrap()).unwrap();
-    assert_found(&edited(library, |bytes| *bytes = runtime), "error unbaked");
+    assert_found(&with_library(|bytes| *bytes = runtime), "error unbaked");
     let damage = |bytes: &mut Vec<u8>| {
         let at = section(bytes) + 200;
         bytes[at] ^= 1;
     };
-    assert_found(&edited(library, damage), "error baked-block");
+    assert_found(&with_library(damage), "error baked-block");
     assert_found(&described("guid=\"{", "guid=\"{0"), "error guid-mismatch, error guid-digest");
     assert_found(&described("Measured yaw rate", "Measured Yaw rate"), "error guid-digest");
     assert_found(
         &described("0123456789abcdef", "0123456789abcdee"),
         "error guid-digest, error baked-block",
+    );
+}
+
+#[test]
+fn digests() {
+    // A byte of the text of a log message, which nothing else covers.
+    let fmu = edited(&LIBRARY, |bytes| replace(bytes, b"monitoring from", b"monitoring From"));
+    assert_found(&fmu, "error digest");
+    assert_found(&without(BILL), "note no-digest");
+    assert_found(&edited(BILL, |bytes| *bytes = b"{".to_vec()), "note no-digest");
+    let beside = with(&LIBRARY.replace("SteeringFaultDetector", "another"));
+    assert_found(&beside, "note no-digest");
+}
+
+#[test]
+fn control_characters_in_the_description() {
+    let named = |character: &str| format!("name=\"v_y{character}hat\"");
+    for character in ["&#9;", "&#10;", "&#13;", "&#x7f;", "\u{7f}", "&#x9b;", "\u{9b}"] {
+        assert_found(
+            &described("name=\"v_y_hat\"", &named(character)),
+            "error control-character, error guid-digest",
+        );
+    }
+    // XML itself has no others.
+    for character in ["\x01", "\x1b", "&#1;", "&#x1b;", "&#0;", "\u{fffe}"] {
+        assert_found(&described("name=\"v_y_hat\"", &named(character)), "error malformed-xml");
+    }
+    assert_found(&described("Detects", "&#9;&#10;Detects"), "error guid-digest");
+    assert_found(
+        &described("Detects", "&#x9b;2JDetects"),
+        "warning control-character, error guid-digest",
     );
 }
 

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 #[path = "common/command.rs"]
 mod command;
 
-use command::{failure, made_by_command, success};
+use command::{failure, made_by_command, steerguard, success};
 
 /// The paper's vehicle with a short calibration.
 const SPEC: &str = "\
@@ -186,6 +186,76 @@ fn bad_files_are_named() {
         &["win64", "help: "],
     );
     assert_eq!(entries(&folder), ["design.json", "drive.toml", "spec.toml"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn what_has_no_end_is_not_read() {
+    let folder = folder();
+    let path = folder.path();
+    let too_long = ["/dev/zero", "more than 67108864 bytes", "help: "];
+    failure(path, &["verify", "/dev/zero"], 2, &too_long);
+    failure(path, &["simulate", "--scenario", "/dev/zero"], 2, &too_long);
+    let package = |file: &'static str| ["package", "design.json", "--runtime", file];
+    failure(path, &package("win64=/dev/zero"), 2, &too_long);
+    failure(path, &package("win64=."), 2, &["`.`", "it is a folder", "help: "]);
+    failure(path, &["replay", "design.json", "/dev/zero"], 2, &["a pipe or a device", "help: "]);
+    failure(path, &["identify", "."], 2, &["is a folder", "help: "]);
+}
+
+/// Each message names the key, the limit and what to do, be it the plant that refuses.
+#[test]
+fn what_the_fmus_refuse_is_told_by_the_scenarios_keys() {
+    let folder = folder();
+    let path = folder.path();
+    success(path, &["package", "design.json", "-o", "d.fmu", "--plant", "p.fmu"]);
+    let refused = |scenario: &str, parts: &[&str]| {
+        fs::write(path.join("drive.toml"), scenario).unwrap();
+        let fmus = ["--detector", "d.fmu", "--plant", "p.fmu", "--scenario", "drive.toml"];
+        failure(path, &[&["simulate"], &fmus[..]].concat(), 2, parts);
+    };
+    refused(
+        "[drive_torque_n_m]\noffset = 1e9\n",
+        &[
+            "u.T_eng",
+            "is 1000000012.6 N.m, allowed",
+            "-1000000 to 1000000",
+            "drive_torque_n_m",
+            "help: ",
+        ],
+    );
+    refused(
+        "initial_speeds_m_per_s = [1e9]\n",
+        &["initial.v_x", "1000000000: 0 to 150", "initial_speeds_m_per_s"],
+    );
+    let no_fmu = |name: &str, parts: &[&str]| {
+        failure(path, &["simulate", "--detector", name], 2, parts);
+    };
+    no_fmu(".", &["it is a folder, not an FMU", "help: "]);
+    no_fmu("spec.toml", &["not a whole zip archive", "steerguard check"]);
+    // A design is no scenario, and has a thousand lines to say so of.
+    let output = steerguard(path, &["simulate", "--scenario", "design.json"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), error.matches("error: ").count()), (Some(2), 10));
+    assert!(error.trim_end().ends_with(" more: mend those above first, or --json tells them all"));
+}
+
+#[test]
+#[cfg(unix)]
+fn temporary_files_need_a_folder() {
+    let folder = folder();
+    for (name, why) in [("missing", "there is no such folder"), ("spec.toml", "it is no folder")] {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_steerguard"))
+            .current_dir(folder.path())
+            .env("TMPDIR", folder.path().join(name))
+            .args(["campaign", "design.json", "--drives", "1"])
+            .output()
+            .unwrap();
+        let error = String::from_utf8(output.stderr).unwrap().replace('\n', " ");
+        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(why) && error.contains("variable TMPDIR to a folder"), "{error}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 """What the project is built from: licences and sources, bills of materials, unsafe code."""
 
+import hashlib
 import json
 import re
 import subprocess
@@ -129,7 +130,9 @@ def test_a_bill_names_what_the_library_links(fixtures, file, cdylib):
     # What CycloneDX 1.6 requires.
     assert (bill["bomFormat"], bill["specVersion"]) == ("CycloneDX", "1.6")
     assert isinstance(bill["version"], int) and bill["version"] >= 1
-    components = [bill["metadata"]["component"], *bill["components"]]
+    files = {c["name"]: c for c in bill["components"] if c["type"] == "file"}
+    packages = [c for c in bill["components"] if c["type"] != "file"]
+    components = [bill["metadata"]["component"], *packages]
     for component in components:
         assert component["type"] == "library" and component["name"]
         [licence] = component["licenses"]
@@ -143,12 +146,19 @@ def test_a_bill_names_what_the_library_links(fixtures, file, cdylib):
     # Nothing that differs from one packaging to the next.
     assert "serialNumber" not in bill and "timestamp" not in bill["metadata"]
 
-    named = {(c["name"], c["version"]) for c in bill["components"] if c["name"] != "core"}
+    with zipfile.ZipFile(fixtures / file) as fmu:
+        libraries = {name: fmu.read(name) for name in fmu.namelist() if name.startswith("binaries/")}
+    assert libraries and files.keys() == libraries.keys()
+    for name, library in libraries.items():
+        [digest] = files[name]["hashes"]
+        assert digest == {"alg": "SHA-256", "content": hashlib.sha256(library).hexdigest()}
+
+    named = {(c["name"], c["version"]) for c in packages if c["name"] != "core"}
     assert named == linked(cdylib)
     digests = {(p["name"], p["version"]): p.get("checksum") for p in LOCK}
     with zipfile.ZipFile(fixtures / file) as fmu:
         texts = {Path(name).stem for name in fmu.namelist() if "/licenses/" in name}
-    for component in bill["components"]:
+    for component in packages:
         if component["name"] == "core":
             continue
         [digest] = [d["content"] for d in component.get("hashes", [])] or [None]

@@ -43,6 +43,19 @@ pub enum Cause {
     /// Another format.
     #[error("is {0}, not CSV or Parquet")]
     Format(&'static str),
+    /// What is no file of bytes.
+    #[error("is {0}")]
+    NoFile(&'static str),
+    /// A row without end.
+    #[error(
+        "has more than {most} bytes in the row from line {from_line} on, the most that is read of one"
+    )]
+    LongRow {
+        /// Its first line.
+        from_line: u64,
+        /// What is read.
+        most: u64,
+    },
     /// Nothing in it.
     #[error("is empty")]
     Empty,
@@ -198,8 +211,14 @@ pub enum Cause {
     },
 }
 
+/// Names of columns, of many the first.
 fn listed(columns: &[String]) -> String {
-    columns.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    const SHOWN: usize = 40;
+    let names: Vec<_> = columns.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
+    match columns.len() - names.len() {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    }
 }
 
 impl Cause {
@@ -212,6 +231,13 @@ impl Cause {
         Some(match self {
             Self::Format(_) => {
                 "docs/drive-files.md has recipes that make CSV of MDF4 and MAT files".into()
+            }
+            Self::NoFile(_) => {
+                "name a file, CSV or Parquet: drives are read twice, which pipes do not allow"
+                    .into()
+            }
+            Self::LongRow { .. } => {
+                "end each row with a new line, and close each quotation mark in its row".into()
             }
             Self::SingleColumn { .. } => "--delimiter says what stands between cells".into(),
             Self::NoColumn { signal, name, columns } => {

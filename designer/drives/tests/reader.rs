@@ -245,3 +245,36 @@ fn the_file_of_columns_in_the_documentation_is_read() {
     assert!(yaw_rate.turned && yaw_rate.name == "r_deg");
     assert_eq!((columns.delimiter, columns.delay_s(Signal::Steering)), (Some(b';'), 0.03));
 }
+
+#[test]
+fn a_row_without_end_is_refused() {
+    let begin = drive(3, usual);
+    let said = |text: String| read(text.as_bytes(), &Columns::default()).unwrap_err();
+    // A line without end, be it the first; a quotation mark that nothing closes; a comment without end.
+    for (text, line, bytes) in [
+        ("1,".repeat(600_000), 1, 131_072),
+        (format!("{begin}{}", "1,".repeat(600_000)), 5, 1_048_576),
+        (format!("{begin}\"{}", drive(60_000, usual)), 5, 1_048_576),
+        (format!("{begin}#{}", "1".repeat(1_200_000)), 5, 1_048_576),
+    ] {
+        let error = said(text).to_string();
+        let expected = format!("more than {bytes} bytes in the row from line {line} ");
+        assert!(error.contains(&expected), "{error}");
+    }
+    // Only what a row takes counts, not all of them.
+    let long = |k: u32| format!("{}{}", usual(k), ",".repeat(50_000));
+    let (rows, _) = read(drive(60, long).as_bytes(), &Columns::default()).unwrap();
+    assert_eq!(rows.len(), 60);
+}
+
+#[test]
+fn what_is_no_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |path: &std::path::Path| {
+        Reader::open(path, &Columns::default(), Wanted::ALL).err().unwrap().to_string()
+    };
+    assert!(said(folder.path()).ends_with(": is a folder"));
+    if cfg!(unix) {
+        assert_eq!(said("/dev/zero".as_ref()), "`/dev/zero`: is a pipe or a device");
+    }
+}

@@ -51,16 +51,35 @@ pub fn at_most(key: &str, smaller: f64, larger: f64) -> Result<(), Refusal> {
         true => Ok(()),
         false => Err(Refusal::Disagreement {
             key: key.into(),
-            stored: format!("{smaller:?}"),
+            stored: shown(&smaller),
             recomputed: format!("at most {larger:?}"),
         }),
     }
 }
 
 fn disagreement<T: Debug + ?Sized>(key: &str, stored: &T, recomputed: &T) -> Refusal {
-    Refusal::Disagreement {
-        key: key.into(),
-        stored: format!("{stored:?}"),
-        recomputed: format!("{recomputed:?}"),
+    Refusal::Disagreement { key: key.into(), stored: shown(stored), recomputed: shown(recomputed) }
+}
+
+/// A value as the file would have it: what may be missing is a number or null.
+fn shown<T: Debug + ?Sized>(value: &T) -> String {
+    let text = format!("{value:?}");
+    match text.strip_prefix("Some(").and_then(|rest| rest.strip_suffix(')')) {
+        Some(inner) => inner.to_owned(),
+        None if text == "None" => "null".into(),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_told_as_the_file_has_them() {
+        let said = same("a.b", &None, &Some(1.5)).unwrap_err().to_string();
+        assert_eq!(said, "`a.b` is null, where the rest of the file gives 1.5");
+        let said = same("a", "Some(", "None of these").unwrap_err().to_string();
+        assert_eq!(said, r#"`a` is "Some(", where the rest of the file gives "None of these""#);
     }
 }

@@ -48,3 +48,25 @@ fn exit_status_tells_proven_from_changed_from_unreadable() {
         assert!(!output.stderr.is_empty());
     }
 }
+
+#[test]
+fn what_is_read_has_an_end() {
+    let long = file("long.json", "");
+    std::fs::File::options().write(true).open(&long).unwrap().set_len((64 << 20) + 1).unwrap();
+    let latin = Path::new(env!("CARGO_TARGET_TMPDIR")).join("latin.json");
+    std::fs::write(&latin, b"{\"a\": \"\xfc\"}").unwrap();
+    let mut cases = vec![
+        (long, "more than 67108864 bytes"),
+        (PathBuf::from(env!("CARGO_TARGET_TMPDIR")), "it is a folder"),
+        (latin, "UTF-8: invalid utf-8 sequence of 1 bytes from index 7"),
+    ];
+    if cfg!(unix) {
+        cases.push((PathBuf::from("/dev/zero"), "more than 67108864 bytes"));
+    }
+    for (path, expected) in cases {
+        let output = run(&[&path]);
+        assert_eq!(output.status.code(), Some(2), "{path:?}");
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(error.contains(expected) && error.contains(&*path.to_string_lossy()), "{error}");
+    }
+}

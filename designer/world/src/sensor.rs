@@ -37,8 +37,10 @@ impl Sensor {
     /// What it shows of `x` with the standard normal number `normal`.
     pub fn reading(&self, x: f64, normal: f64) -> f64 {
         let shown = (1.0 + self.scale) * x + self.noise_std * normal + self.bias;
-        if self.resolution > 0.0 {
-            self.resolution * libm::round(shown / self.resolution)
+        let values = shown / self.resolution;
+        // Finer than the number itself: any value can be shown.
+        if self.resolution > 0.0 && values.is_finite() {
+            self.resolution * libm::round(values)
         } else {
             shown
         }
@@ -128,6 +130,7 @@ mod tests {
         let rounded = Sensor { resolution: 0.25, ..sensor };
         assert_eq!(rounded.reading(10.0, -2.0), 9.25);
         assert_eq!(rounded.reading(0.0, 0.0), 0.0);
+        assert_eq!(Sensor { resolution: 5e-324, ..Sensor::default() }.reading(10.0, 0.0), 10.0);
     }
 
     #[test]

@@ -5,13 +5,13 @@
 //!   valid at its beginning. Outputs are those at its end.
 //! - Until the end of Initialization Mode outputs are those that the parameters and inputs set so far
 //!   give.
-//! - Inputs that are not finite or beyond their limits are refused by the step, and so is a motion
-//!   that leaves the finite numbers: what was there before stays, and no output is ever NaN.
+//! - Inputs that are not finite or beyond their limits are refused by the step, and so is a motion that
+//!   no vehicle has: what was there before stays, and no output is ever NaN or infinite.
 
-use steerguard_detector::{Actuator, StateVector, Vehicle, VehicleState};
+use steerguard_detector::{Actuator, LARGEST_ESTIMATE, StateVector, Vehicle, VehicleState};
 use steerguard_fmu_core::{Archive, Log, Model, Status};
 use steerguard_model_description::plant::{INFO, PlantVariable};
-use steerguard_model_description::{Kind, ModelInfo, RealKind, Value, Variable, VariableSet};
+use steerguard_model_description::{Kind, ModelInfo, RealKind, Role, Value, Variable, VariableSet};
 use steerguard_world::{
     Excitation, MAX_DEAD_TIME_STEPS, Readings, STEP_S, Sensor, Sensors, State, Steering,
     TrueVehicle, Tyres, World,
@@ -205,6 +205,13 @@ impl PlantModel {
     }
 }
 
+/// Whether a state is far from what an f64 holds, and a number at all.
+fn plausible(state: &State) -> bool {
+    let [v_x, v_y, r] = state.motion.vector();
+    let numbers = [v_x, v_y, r, state.steering.angle_rad];
+    numbers.iter().all(|x| -LARGEST_ESTIMATE < *x && *x < LARGEST_ESTIMATE)
+}
+
 impl Model for PlantModel {
     type Variable = PlantVariable;
     const INFO: ModelInfo = INFO;
@@ -326,7 +333,7 @@ impl Model for PlantModel {
         };
         let (motion, angle_rad) = (self.state.motion, self.state.steering.angle_rad);
         self.state.step(&world, &excitation, STEP_S);
-        if !self.state.motion.vector().iter().all(|x| x.is_finite()) {
+        if !plausible(&self.state) {
             self.state.motion = motion;
             self.state.steering.angle_rad = angle_rad;
             let [v_x, v_y, r] = motion.vector();
@@ -347,6 +354,11 @@ impl Model for PlantModel {
         for &variable in PlantVariable::ALL {
             if let Some(value) = self.settings.real(variable) {
                 archive.real(value);
+                // Inputs may be anything: the step refuses them.
+                let row = PlantVariable::TABLE.get(variable as usize);
+                archive.require(row.is_some_and(|row| {
+                    row.role == Role::INPUT || row.kind.admits(Value::Real(*value))
+                }));
             }
         }
         archive.flag(&mut self.settings.friction_limited);
@@ -358,10 +370,11 @@ impl Model for PlantModel {
         archive.flag(&mut self.started);
         let VehicleState { v_x_m_per_s, v_y_m_per_s, r_rad_per_s } = &mut self.state.motion;
         for value in [v_x_m_per_s, v_y_m_per_s, r_rad_per_s] {
-            archive.finite(value);
+            archive.real(value);
         }
+        archive.real(&mut self.state.steering.angle_rad);
+        archive.require(plausible(&self.state));
         let steering = &mut self.state.steering;
-        archive.finite(&mut steering.angle_rad);
         archive.size(&mut steering.dead_time_steps);
         archive.size(&mut steering.oldest);
         archive.require(

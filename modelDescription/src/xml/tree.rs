@@ -42,8 +42,24 @@ impl Element {
     }
 }
 
+/// Whether XML 1.0 has no such character, not even by its number (2.2).
+fn is_forbidden(c: char) -> bool {
+    matches!(c, '\0'..='\x08' | '\x0b' | '\x0c' | '\x0e'..='\x1f' | '\u{fffe}' | '\u{ffff}')
+}
+
+/// The first character of `text` that no document may have, as a sentence.
+fn forbidden(text: &str) -> Option<String> {
+    let found = text.chars().find(|&c| is_forbidden(c))?;
+    Some(format!("the character U+{:04X}, which no XML may have", u32::from(found)))
+}
+
 /// Parses a document; returns its root.
 pub(super) fn parse(xml: &str) -> Result<Element, Malformed> {
+    if let Some((place, _)) = xml.char_indices().find(|&(_, c)| is_forbidden(c)) {
+        let (before, from) = xml.split_at(place);
+        let line = before.matches('\n').count() + 1;
+        return Err(Malformed { line, reason: forbidden(from).unwrap_or_default() });
+    }
     let mut reader = Reader::from_str(xml);
     // The elements that are open; the document itself is the first.
     let mut open = vec![Element::default()];
@@ -101,6 +117,10 @@ fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element, Malformed> {
         let value = attribute
             .normalized_value(quick_xml::XmlVersion::Implicit1_0)
             .map_err(|error| malformed(error.to_string()))?;
+        // By its number.
+        if let Some(reason) = forbidden(&value) {
+            return Err(malformed(reason));
+        }
         attributes.push((attribute.key.as_ref().to_owned(), value.into_owned()));
     }
     Ok(Element { name: tag.name().as_ref().to_owned(), attributes, children: Vec::new(), line })

@@ -7,13 +7,14 @@ use steerguard_model_description::xml::Level;
 use zip::result::ZipError;
 use zip::{CompressionMethod, ZipArchive};
 
+use super::digests::BINARIES;
 use super::findings::{Contents, DESCRIPTION, Findings};
 use super::surroundings::ICON;
+use crate::fmu::bill::BILL;
 use crate::fmu::package::{ICON_FMI3, TERMINALS};
 use crate::importer::{MAX_ENTRIES, MAX_UNPACKED_BYTES};
 
-/// Most bytes of an entry that are kept; of longer descriptions, icons and libraries only the fact
-/// is reported.
+/// Most bytes of an entry that are kept, from its beginning.
 const MAX_KEPT_BYTES: u64 = 256 << 20;
 /// Largest description that is examined.
 const MAX_DESCRIPTION_BYTES: u64 = 32 << 20;
@@ -340,7 +341,7 @@ fn unpack<R: Read + Seek>(
 
 /// Whether the bytes of an entry are examined.
 fn is_needed(name: &str) -> bool {
-    [DESCRIPTION, TERMINALS, ICON, ICON_FMI3].contains(&name) || name.starts_with("binaries/")
+    [DESCRIPTION, TERMINALS, ICON, ICON_FMI3, BILL].contains(&name) || name.starts_with(BINARIES)
 }
 
 fn unpack_entry<R: Read + Seek>(

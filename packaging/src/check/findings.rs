@@ -12,7 +12,7 @@ pub const DESCRIPTION: &str = "modelDescription.xml";
 pub struct Contents {
     /// Names of all entries.
     pub names: Vec<String>,
-    /// Description, icon and libraries by name.
+    /// Description, icon, bill of materials and libraries by name.
     pub files: BTreeMap<String, Vec<u8>>,
 }
 

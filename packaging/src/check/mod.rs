@@ -9,6 +9,7 @@
 
 mod archive;
 mod binary;
+mod digests;
 mod findings;
 mod functions;
 mod surroundings;
@@ -28,6 +29,7 @@ pub fn check(fmu: impl Read + Seek, name: &str) -> std::io::Result<Vec<Finding>>
     let mut findings = Findings { file: name.to_owned(), list: xml::Findings::default() };
     if let Some(contents) = archive::read(fmu, &mut findings)? {
         description(&contents, &mut findings);
+        digests::check(&contents, &mut findings);
         surroundings::check(&contents, &mut findings);
     }
     Ok(findings.list.into_list())

@@ -69,7 +69,36 @@ fn fits(label: &Label, source: &Source) -> bool {
 
 /// `text` on lines that leave `indent` columns free.
 fn wrapped(text: &str, indent: usize) -> String {
-    textwrap::fill(&printable(text), WIDTH - indent)
+    textwrap::fill(&printable(&cut(text)), WIDTH - indent)
+}
+
+/// Characters of what is quoted that are shown.
+const LONGEST_QUOTED: usize = 200;
+
+/// `text`, what it quotes in `"` or backquotes, and its words, cut in the middle where they are long: files may
+/// have anything where a number belongs.
+fn cut(text: &str) -> String {
+    let mut shown = String::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let quote = rest.chars().next().filter(|c| ['"', '`'].contains(c));
+        let end = match quote {
+            Some(quote) => rest[1..].find(quote).map(|at| at + 2),
+            None => rest.find([' ', '\n', '"', '`']).map(|at| at.max(1)),
+        };
+        let (part, after) = rest.split_at(end.unwrap_or(rest.len()));
+        let length = part.chars().count();
+        if length > LONGEST_QUOTED {
+            let half = LONGEST_QUOTED / 2;
+            shown.extend(part.chars().take(half));
+            shown.push_str("...");
+            shown.extend(part.chars().skip(length - half));
+        } else {
+            shown.push_str(part);
+        }
+        rest = after;
+    }
+    shown
 }
 
 /// What files and FMUs say must not reach the terminal as a control sequence.
@@ -135,5 +164,23 @@ impl<'a> From<&'a Diagnostic> for Record<'a> {
             notes,
             help,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_quoted_is_cut_and_the_rest_stays() {
+        let long = "x y".repeat(1000);
+        let said = cut(&format!("`a` is \"{long}\", where {}", "words follow ".repeat(100)));
+        assert!(said.starts_with("`a` is \"x yx y") && said.ends_with("words follow "), "{said}");
+        assert_eq!(said.chars().count(), "`a` is , where ".len() + 203 + 1300);
+        assert_eq!(cut(&"\u{e4}".repeat(201)).chars().count(), 203);
+        // A quotation mark that nothing closes, and nothing at all.
+        assert_eq!(cut("it's 5\" and"), "it's 5\" and");
+        assert_eq!(cut(&format!("\"{long}")).chars().count(), 203);
+        assert_eq!(cut(""), "");
     }
 }

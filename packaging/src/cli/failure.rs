@@ -97,10 +97,19 @@ impl Failure {
                 Err(error) => anstream::eprintln!("{error}"),
             }
         }
-        let drawn: Vec<String> = self.diagnostics.iter().map(diagnostic::draw).collect();
+        let shown = self.diagnostics.iter().take(MOST_SHOWN);
+        let mut drawn: Vec<String> = shown.map(diagnostic::draw).collect();
+        let more = self.diagnostics.len() - drawn.len();
+        if more > 0 {
+            drawn
+                .push(format!("and {more} more: mend those above first, or --json tells them all"));
+        }
         anstream::eprintln!("{}", drawn.join("\n\n"));
     }
 }
+
+/// Most that people are told at once: a file of another format has a mistake a line.
+const MOST_SHOWN: usize = 10;
 
 /// What to do where the disk is full.
 const FULL: &str =

@@ -10,6 +10,7 @@ use steerguard_model_description::names;
 
 use super::input;
 use super::print::print;
+use crate::bounded::{self, MAX_LIBRARY_BYTES};
 use crate::cli::arguments::{FmiVersion, PackageArguments};
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
@@ -132,8 +133,10 @@ struct Needs {
 fn runtimes(given: &[(Platform, PathBuf)], needs: Needs) -> Result<[Runtimes; 2], Failure> {
     let (mut fmi2, mut fmi3) = (Runtimes::detector(), Runtimes::detector_fmi3());
     for (platform, file) in given {
-        let library = std::fs::read(file).map_err(|error| {
+        let library = bounded::read(file, MAX_LIBRARY_BYTES).map_err(|error| {
+            let help = "--runtime PLATFORM=FILE names a library that packaging/runtimes/build made";
             Failure::bad(format!("cannot read the library `{}`: {error}", file.display()))
+                .help(help)
         })?;
         let (of, needed, other) = match is_for_fmi3(&library) {
             true => (&mut fmi3, needs.fmi3, "2.0"),

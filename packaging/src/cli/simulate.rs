@@ -14,6 +14,7 @@ use crate::cli::arguments::SimulateArguments;
 use crate::cli::detection_table::detection_table;
 use crate::cli::failure::{Exit, Failure};
 use crate::cli::progress::Progress;
+use crate::drive::cosimulation::CosimulationError;
 use crate::drive::detection::Detection;
 use crate::drive::scenario::{DOCUMENTED, Scenario};
 use crate::drive::simulation::{Files, Simulation, SimulationError};
@@ -76,7 +77,10 @@ pub(super) fn run(arguments: &SimulateArguments, json: bool) -> Result<Exit, Fai
 pub(super) fn open(path: &Path) -> Result<Fmu, Failure> {
     Fmu::open(path).map_err(|error| {
         Failure::bad(error)
-            .help("name an FMI 2.0 Co-Simulation FMU with a library for this machine")
+            .help(
+                "name an FMI 2.0 Co-Simulation FMU with a library for this machine; `steerguard check` says \
+                 what is wrong with a file",
+            )
     })
 }
 
@@ -99,8 +103,46 @@ pub(super) fn write(simulation: &Simulation, folder: &Path) -> Result<Files, Fai
 fn failure(error: SimulationError) -> Failure {
     match error {
         SimulationError::Output(error) => error.into(),
+        SimulationError::Run { ref source, .. }
+            if matches!(**source, CosimulationError::NotFinite(_)) =>
+        {
+            Failure::bad(error).help(
+                "the FMU has a fault, or is driven beyond what it is made for: its documentation says how far",
+            )
+        }
+        SimulationError::Run { ref source, .. } => {
+            let keys = keys_behind(&source.to_string());
+            let failure = Failure::bad(error);
+            match keys {
+                Some(help) => failure.help(help),
+                None => failure.help("`steerguard simulate --print-scenario` shows every key with its default"),
+            }
+        }
         other => Failure::bad(other),
     }
+}
+
+/// Where the scenario says what a variable of the plant is, if an FMU's message names one.
+fn keys_behind(message: &str) -> Option<String> {
+    let (variable, keys) = [
+        (
+            "u.T_eng",
+            "drive_torque_n_m, on top of the torque that holds the initial speed, or [manoeuvre]",
+        ),
+        ("u.delta", "steering_angle_rad or [manoeuvre]"),
+        ("fault", "steering_fault_deg or [fault]"),
+        ("disturbance.side_force", "side_wind_m_per_s2, wind_m_per_s and road_bank_deg"),
+        (
+            "disturbance.yaw_moment",
+            "side_wind_m_per_s2 and wind_m_per_s with side_wind_lever_arm_m",
+        ),
+        ("initial.v_x", "initial_speeds_m_per_s"),
+        ("initial.v_y", "initial_lateral_speed_m_per_s"),
+        ("initial.r", "initial_yaw_rate_rad_per_s"),
+    ]
+    .into_iter()
+    .find(|(variable, _)| message.contains(&format!("\"{variable}\"")))?;
+    Some(format!("the scenario says what {variable} is by {keys}: keep it within the limits"))
 }
 
 /// The files, one a line.

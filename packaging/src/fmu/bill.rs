@@ -1,13 +1,24 @@
-//! Bill of materials of an FMU's library: what it links, in CycloneDX 1.6.
+//! Bill of materials of an FMU: its libraries by their digests, and what they link, in CycloneDX 1.6.
 //!
 //! # Conventions
-//! - Versions and digests are those of `Cargo.lock`, which the libraries are built by.
-//! - Without serial number and time: the same for the same library.
+//! - Versions and digests of packages are those of `Cargo.lock`, which the libraries are built by.
+//! - A library of the FMU is a component of type `file`, named by its path; its digest is that of the bytes in
+//!   the FMU, design and all.
+//! - Without serial number and time: the same for the same libraries.
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 
 /// Path in an FMU.
 pub const BILL: &str = "documentation/sbom.cdx.json";
+
+/// What CycloneDX calls a file.
+const FILE: &str = "file";
+
+/// What CycloneDX calls SHA-256, the one digest in bills.
+const SHA_256: &str = "SHA-256";
 
 const LOCK: &str = include_str!("../../../Cargo.lock");
 
@@ -60,16 +71,16 @@ struct Component<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     description: Option<&'a str>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    hashes: Vec<Hash<'a>>,
+    hashes: Vec<Hash>,
     licenses: [License<'a>; 1],
     #[serde(skip_serializing_if = "Option::is_none")]
     purl: Option<String>,
 }
 
 #[derive(Serialize)]
-struct Hash<'a> {
-    alg: &'a str,
-    content: &'a str,
+struct Hash {
+    alg: &'static str,
+    content: String,
 }
 
 #[derive(Serialize)]
@@ -84,11 +95,49 @@ struct Dependency<'a> {
     depends_on: Vec<&'a str>,
 }
 
-/// The bill of the library `name`, which links `ours` beside what every library does.
+/// SHA-256 in hexadecimal digits.
+pub fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Digests of files by name, as the bill of some FMU, whoever made it, states them; none where it is no bill.
+pub fn digests(bill: &[u8]) -> BTreeMap<String, String> {
+    #[derive(Deserialize)]
+    struct Bill {
+        components: Vec<Component>,
+    }
+    #[derive(Deserialize)]
+    struct Component {
+        r#type: String,
+        name: String,
+        #[serde(default)]
+        hashes: Vec<Hash>,
+    }
+    #[derive(Deserialize)]
+    struct Hash {
+        alg: String,
+        content: String,
+    }
+    let components =
+        serde_json::from_slice(bill).map_or_else(|_| Vec::new(), |bill: Bill| bill.components);
+    let files = components.into_iter().filter(|component| component.r#type == FILE);
+    files
+        .filter_map(|Component { name, hashes, .. }| {
+            let hash = hashes.into_iter().find(|hash| hash.alg == SHA_256)?;
+            Some((name, hash.content))
+        })
+        .collect()
+}
+
+/// The bill of the model `name`, whose `libraries`, bytes by path, link `ours` beside what every library does.
 ///
 /// # Errors
 /// None that an FMU can cause.
-pub fn bill(name: &str, ours: &[&str]) -> Result<String, BillError> {
+pub fn bill(
+    name: &str,
+    ours: &[&str],
+    libraries: &BTreeMap<String, Vec<u8>>,
+) -> Result<String, BillError> {
     let lock: Lock = toml::from_str(LOCK)?;
     let mut linked: Vec<(&str, &str)> =
         COMMON.iter().chain(ours).map(|name| (*name, OURS)).chain(OTHERS).collect();
@@ -97,7 +146,7 @@ pub fn bill(name: &str, ours: &[&str]) -> Result<String, BillError> {
     for (name, licence) in linked {
         let locked = lock.package.iter().find(|locked| locked.name == name);
         let locked = locked.ok_or_else(|| BillError::Missing(name.to_owned()))?;
-        let hash = locked.checksum.as_deref().map(|content| Hash { alg: "SHA-256", content });
+        let hash = locked.checksum.clone().map(|content| Hash { alg: SHA_256, content });
         // What is ours is on no registry.
         let purl = hash.as_ref().map(|_| format!("pkg:cargo/{name}@{}", locked.version));
         components.push(Component {
@@ -123,6 +172,16 @@ pub fn bill(name: &str, ours: &[&str]) -> Result<String, BillError> {
     });
     let references: Vec<String> =
         components.iter().map(|component| component.reference.clone()).collect();
+    components.extend(libraries.iter().map(|(path, library)| Component {
+        r#type: FILE,
+        reference: path.clone(),
+        name: path,
+        version: None,
+        description: None,
+        hashes: vec![Hash { alg: SHA_256, content: digest(library) }],
+        licenses: [License { expression: OURS }],
+        purl: None,
+    }));
     let bill = Bill {
         bom_format: "CycloneDX",
         spec_version: "1.6",

@@ -1,5 +1,6 @@
 //! FMUs from a design: description, baked libraries, documentation, icon, licences, reference results.
 
+use std::collections::BTreeMap;
 use std::io;
 
 use steerguard_detector::Vehicle;
@@ -205,17 +206,21 @@ fn archive<M: Model>(
         return Err(PackageError::NoLibrary);
     }
     let mut archive = Archive::new(described.xml.as_str());
+    let mut baked = BTreeMap::new();
     for &(platform, library) in libraries {
         let library = bake(library, platform, &described.guid, parts.payload)
             .map_err(|source| PackageError::Library { platform, source })?;
-        archive.insert(platform.library_path(M::INFO.identifier), library);
+        baked.insert(platform.library_path(M::INFO.identifier), library);
+    }
+    archive.insert(bill::BILL, bill::bill(M::INFO.identifier, parts.linked, &baked)?);
+    for (path, library) in baked {
+        archive.insert(path, library);
     }
     let page = documentation::page(&M::INFO, &parts.about, |variable| model.get(variable));
     archive.insert("documentation/index.html", page);
     for (name, text) in LICENCES {
         archive.insert(format!("documentation/licenses/{name}"), text);
     }
-    archive.insert(bill::BILL, bill::bill(M::INFO.identifier, parts.linked)?);
     for (name, table) in &parts.reference {
         archive.insert(format!("extra/{}{name}", M::INFO.identifier), table.as_bytes());
     }

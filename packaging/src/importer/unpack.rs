@@ -18,8 +18,11 @@ pub enum UnpackError {
     /// The file cannot be read, or the folder not be written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+    /// The file is a folder.
+    #[error("it is a folder, not an FMU")]
+    Folder,
     /// The file is not a sound zip archive.
-    #[error("not a zip archive: {0}")]
+    #[error("not a whole zip archive, be it cut short or something else: {0}")]
     Zip(#[from] ZipError),
     /// The archive has too many entries.
     #[error("{0} entries, more than the {MAX_ENTRIES} allowed")]
@@ -37,7 +40,11 @@ pub enum UnpackError {
 /// # Errors
 /// [`UnpackError`]; `folder` may then hold a part of the archive.
 pub(super) fn unpack(path: &Path, folder: &Path) -> Result<(), UnpackError> {
-    let mut archive = ZipArchive::new(fs::File::open(path)?)?;
+    let file = fs::File::open(path)?;
+    if file.metadata()?.is_dir() {
+        return Err(UnpackError::Folder);
+    }
+    let mut archive = ZipArchive::new(file)?;
     if archive.len() > MAX_ENTRIES {
         return Err(UnpackError::TooManyEntries(archive.len()));
     }

@@ -54,7 +54,16 @@ pub(super) fn holds(path: &Path) -> bool {
 /// What went wrong in the folder where temporary files belong, with what to do.
 pub(super) fn elsewhere(error: io::Error) -> io::Error {
     let folder = std::env::temp_dir();
-    let message = format!("in `{}` (TMPDIR names another folder): {error}", folder.display());
+    let why = match error.kind() {
+        io::ErrorKind::NotFound if !folder.exists() => "there is no such folder".into(),
+        io::ErrorKind::NotADirectory => "it is no folder".into(),
+        _ => error.to_string(),
+    };
+    let variable = if cfg!(windows) { "TMP" } else { "TMPDIR" };
+    let message = format!(
+        "in `{}`: {why}; set the environment variable {variable} to a folder that you may write to",
+        folder.display()
+    );
     io::Error::new(error.kind(), message)
 }
 
@@ -177,7 +186,11 @@ fn sweep(folder: &Path, prefix: &str, lock: impl Fn(&Path) -> Option<File>) {
             continue;
         }
         let path = entry.path();
-        let Some(file) = lock(&path) else { continue };
+        let Some(file) = lock(&path) else {
+            // A folder without a lock is empty: its command was killed at once, or makes another if it lives.
+            let _ = fs::remove_dir(&path);
+            continue;
+        };
         match file.try_lock() {
             Ok(()) => remove(&path),
             Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
@@ -218,9 +231,12 @@ mod tests {
         let (early, _) = made("early");
         fs::rename(early.join(LOCK), early.join(UNLOCKED)).unwrap();
         let (foreign, _) = made("foreign");
-        fs::remove_file(foreign.join(LOCK)).unwrap();
+        fs::rename(foreign.join(LOCK), foreign.join("notes")).unwrap();
+        let (empty, _) = made("empty");
+        fs::remove_file(empty.join(LOCK)).unwrap();
         sweep(parent.path(), FOLDER, lock_of);
         assert!(held.exists() && !left.exists() && !early.exists() && foreign.exists());
+        assert!(!empty.exists(), "killed before there was a lock");
     }
 
     #[test]

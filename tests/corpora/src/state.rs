@@ -8,7 +8,8 @@ use steerguard_conformance_tests::host;
 use steerguard_fmi2::boundary as b;
 use steerguard_fmi2::types::*;
 use steerguard_fmu::DetectorModel;
-use steerguard_fmu_core::{Block, Fmu, fields};
+use steerguard_fmu_core::{Block, Fmu, Model, fields};
+use steerguard_model_description::{Causality, Kind, VariableSet};
 use steerguard_plant::PlantModel;
 
 use crate::block::edited;
@@ -54,6 +55,24 @@ pub fn run(bytes: &[u8]) {
     }
 }
 
+/// Every real variable that is no input is a finite number, whatever the state.
+///
+/// # Safety
+/// `c` is a live instance.
+unsafe fn all_finite<F: Fmu>(c: fmi2Component) {
+    let rows = <F::Model as Model>::Variable::TABLE;
+    for (reference, row) in (0..).zip(rows) {
+        if row.role.causality == Causality::Input || !matches!(row.kind, Kind::Real(_)) {
+            continue;
+        }
+        let mut value = f64::NAN;
+        // SAFETY: as promised; both pointers are to one value.
+        let status = unsafe { b::fmi2GetReal::<F>(c, &raw const reference, 1, &raw mut value) };
+        assert_eq!(status, fmi2Status::fmi2OK, "{}", row.name);
+        assert!(value.is_finite(), "{} is {value}", row.name);
+    }
+}
+
 /// # Safety
 /// None beyond that of the functions called.
 unsafe fn of<F: Fmu>(inputs: [f64; 4], edits: &[u8]) {
@@ -78,6 +97,7 @@ unsafe fn of<F: Fmu>(inputs: [f64; 4], edits: &[u8]) {
             for k in 0..8 {
                 b::fmi2SetReal::<F>(c, [0, 1, 2, 3].as_ptr(), 4, inputs.as_ptr());
                 b::fmi2DoStep::<F>(c, from + f64::from(k) * 0.01, 0.01, fmi2True);
+                all_finite::<F>(c);
             }
         };
         drive(0.0);
@@ -103,6 +123,7 @@ unsafe fn of<F: Fmu>(inputs: [f64; 4], edits: &[u8]) {
             let to = again.as_mut_ptr().cast::<c_char>();
             assert_eq!(b::fmi2SerializeFMUstate::<F>(c, other, to, size), fmi2Status::fmi2OK);
             assert_eq!(again, forged, "what was taken is what was given");
+            all_finite::<F>(c);
             drive(0.08);
             b::fmi2FreeFMUstate::<F>(c, &raw mut other);
         }

@@ -1,6 +1,7 @@
 //! Files as tables: names of columns, and rows of numbers.
 
 mod binary;
+mod bounded;
 mod dialect;
 mod row;
 mod text;
@@ -43,6 +44,12 @@ impl Table {
         let failed = |cause| DriveError::of(path, None, cause);
         let open = || -> Result<Self, Cause> {
             let mut file = File::open(path)?;
+            let metadata = file.metadata()?;
+            if metadata.is_dir() {
+                return Err(Cause::NoFile("a folder"));
+            } else if !metadata.is_file() {
+                return Err(Cause::NoFile("a pipe or a device"));
+            }
             let mut begin = Vec::new();
             file.by_ref().take(16).read_to_end(&mut begin)?;
             file.rewind()?;

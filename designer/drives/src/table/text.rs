@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 
+use super::bounded::{Bounded, MAX_ROW_BYTES};
 use super::dialect::{Dialect, number};
 use super::row::{Header, RowError};
 use crate::error::Cause;
@@ -17,7 +18,7 @@ pub(crate) struct Text {
     delimiter: u8,
     decimal_mark: u8,
     lines_before: u64,
-    reader: csv::Reader<File>,
+    reader: csv::Reader<Bounded>,
     record: csv::ByteRecord,
     selected: Vec<usize>,
 }
@@ -37,9 +38,10 @@ impl Text {
         if begin.contains(&0) {
             return Err(Cause::Format("a binary file"));
         }
-        if begin.len() as u64 == BEGIN
-            && let Some(end) = begin.iter().rposition(|&byte| byte == b'\n')
-        {
+        if begin.len() as u64 == BEGIN {
+            let Some(end) = begin.iter().rposition(|&byte| byte == b'\n') else {
+                return Err(Cause::LongRow { from_line: 1, most: BEGIN });
+            };
             begin.truncate(end);
         }
         let dialect = Dialect::find(&begin, delimiter, decimal_mark)?;
@@ -51,7 +53,7 @@ impl Text {
             .quoting(dialect.quoted)
             .comment(Some(b'#'))
             .buffer_capacity(1 << 16)
-            .from_reader(file);
+            .from_reader(Bounded::new(file));
         Ok(Self {
             headers: dialect.headers,
             delimiter: dialect.delimiter,
@@ -77,8 +79,15 @@ impl Text {
     }
 
     pub(super) fn next(&mut self, cells: &mut [f64]) -> Result<Option<u64>, RowError> {
-        if !self.reader.read_byte_record(&mut self.record)? {
-            return Ok(None);
+        self.reader.get_mut().begin_row();
+        match self.reader.read_byte_record(&mut self.record) {
+            Ok(true) => {}
+            Ok(false) => return Ok(None),
+            Err(_) if self.reader.get_ref().is_exhausted() => {
+                let line = self.reader.position().line() + self.lines_before;
+                return Err(Cause::LongRow { from_line: line, most: MAX_ROW_BYTES }.into());
+            }
+            Err(error) => return Err(error.into()),
         }
         let line = self.record.position().map_or(0, csv::Position::line) + self.lines_before;
         for (place, (cell, &column)) in cells.iter_mut().zip(&self.selected).enumerate() {

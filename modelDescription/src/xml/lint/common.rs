@@ -57,6 +57,37 @@ impl Linter {
         self.report(Level::Warning, at, code, message, help);
     }
 
+    /// Reports control characters: in names any, in other texts those that are neither a tab nor end a line.
+    pub(super) fn characters(&mut self, element: &Element) {
+        const NAMES: [&str; 7] = [
+            "name",
+            "modelName",
+            "modelIdentifier",
+            "guid",
+            "instantiationToken",
+            "variableName",
+            "memberName",
+        ];
+        for (attribute, value) in &element.attributes {
+            let is_name = NAMES.contains(&attribute.as_str());
+            let strange =
+                |c: &char| c.is_control() && (is_name || !matches!(c, '\t' | '\n' | '\r'));
+            if let Some(c) = value.chars().find(strange) {
+                let message =
+                    format!("{attribute}={value:?} has the character U+{:04X}", u32::from(c));
+                let help = "terminals obey control characters, and tables break at them: remove it";
+                if is_name {
+                    self.error(element, "control-character", message, help);
+                } else {
+                    self.warning(element, "control-character", message, help);
+                }
+            }
+        }
+        for child in &element.children {
+            self.characters(child);
+        }
+    }
+
     pub(super) fn header(&mut self, root: &Element, names: &Names) {
         for (attribute, code) in [(names.token, "empty-guid"), ("modelName", "empty-model-name")] {
             if root.attribute(attribute).is_none_or(|value| value.trim().is_empty()) {

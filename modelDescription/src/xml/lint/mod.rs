@@ -35,7 +35,10 @@ fn examine(
 ) -> Vec<Finding> {
     let mut linter = Linter { file, findings: Findings::default() };
     match root {
-        Ok(root) => rules(&mut linter, &root),
+        Ok(root) => {
+            linter.characters(&root);
+            rules(&mut linter, &root);
+        }
         Err(malformed) => {
             let root = Element { line: malformed.line, ..Element::default() };
             linter.error(&root, "malformed-xml", malformed.reason, "write well-formed XML");
