@@ -200,7 +200,7 @@ fn what_has_no_end_is_not_read() {
     failure(path, &package("win64=/dev/zero"), 2, &too_long);
     failure(path, &package("win64=."), 2, &["`.`", "it is a folder", "help: "]);
     failure(path, &["replay", "design.json", "/dev/zero"], 2, &["a pipe or a device", "help: "]);
-    failure(path, &["identify", "."], 2, &["is a folder", "help: "]);
+    failure(path, &["replay", "design.json", "."], 2, &["is a folder", "help: "]);
 }
 
 /// Each message names the key, the limit and what to do, be it the plant that refuses.

@@ -79,13 +79,13 @@ impl Text {
     }
 
     pub(super) fn next(&mut self, cells: &mut [f64]) -> Result<Option<u64>, RowError> {
+        let from_line = self.reader.position().line() + self.lines_before;
         self.reader.get_mut().begin_row();
         match self.reader.read_byte_record(&mut self.record) {
             Ok(true) => {}
             Ok(false) => return Ok(None),
             Err(_) if self.reader.get_ref().is_exhausted() => {
-                let line = self.reader.position().line() + self.lines_before;
-                return Err(Cause::LongRow { from_line: line, most: MAX_ROW_BYTES }.into());
+                return Err(Cause::LongRow { from_line, most: MAX_ROW_BYTES }.into());
             }
             Err(error) => return Err(error.into()),
         }
