@@ -151,10 +151,13 @@ fn clock(hundredths: u32) -> String {
 const DAY: u32 = 8_640_000;
 const BEGIN: u32 = DAY - 150;
 
+/// Name of a column, what is said of its stamps, and the stamp hundredths after a midnight.
+type Stamped<'a> = (&'a str, &'a str, &'a dyn Fn(u32) -> String);
+
 #[test]
 fn stamps_of_date_and_clock_are_times_since_the_midnight_before_the_first() {
     let date = |k| if k < DAY { "2026-02-28" } else { "2026-03-01" };
-    let written: [(&str, &str, &dyn Fn(u32) -> String); 4] = [
+    let written: [Stamped<'_>; 4] = [
         ("t", "clock", &clock),
         ("Date/Time", "date and clock", &|k| format!("{} {}", date(k), clock(k))),
         ("recorded", "date, clock and zone", &|k| format!("{}T{}0000+01:00", date(k), clock(k))),
