@@ -3,8 +3,9 @@
     judge.py --steerguard COMMAND FOLDER
 
 FOLDER is one that record.py has filled. For each car and model: how many drives were identified and which parameters
-were refused; for each parameter the largest error, how often the truth lay within two standard errors and within the
-interval that is written, and the median standard error.
+were refused; for each parameter the largest error, in how many drives it is within its limit, how often the truth lay
+within two standard errors and within the interval that is written, and the median standard error; for all of them
+together how many drives are within every limit, and how often the truth lay within two standard errors.
 """
 
 import argparse
@@ -35,6 +36,15 @@ def truth(vehicle):
     }
 
 
+# What a drive of a car with linear tyres is to show, as relative errors or in SI.
+LIMITS = {
+    "steering ratio": 0.01,
+    "steering offset": np.radians(0.05),
+    "yaw-rate bias": np.radians(0.05),
+    "delay and lag together": 0.01,
+    "front cornering stiffness": 0.05,
+    "rear cornering stiffness": 0.05,
+}
 RELATIVE = {"steering ratio", "front cornering stiffness", "rear cornering stiffness", "yaw inertia"}
 DEGREES = {"steering offset", "yaw-rate bias"}
 
@@ -72,16 +82,26 @@ def judge(steerguard, name, drives, told, vehicle):
                                         error <= row["interval"]))  # fmt: skip
             elif row["interval"] > 0:
                 rows[parameter].append((error, np.nan, np.nan, error <= row["interval"]))
+    everywhere = np.full(len(reports), True)
+    all_inside = []
     for parameter, values in rows.items():
         error, deviation, inside, within = np.array(values, dtype=float).T
         scale, unit = (100, "%") if parameter in RELATIVE else (1, "")
         if parameter in DEGREES:
             scale, unit = np.degrees(1), "deg, deg/s"
+        limited = ""
+        if parameter in LIMITS:
+            of_limit = error <= LIMITS[parameter]
+            everywhere &= of_limit
+            limited = f"  within its limit {np.count_nonzero(of_limit)} of {len(of_limit)}"
+        all_inside += inside[np.isfinite(inside)].tolist()
         print(f"  {parameter:32} largest error {scale * error.max():8.4f} {unit:10} median {scale * np.median(error):8.4f}"
               f"  standard error {scale * np.nanmedian(deviation) if np.isfinite(deviation).any() else np.nan:8.4f}"
               f"  within two of them {100 * np.nanmean(inside) if np.isfinite(inside).any() else np.nan:5.0f} %"
-              f"  within the interval {100 * np.nanmean(within) if np.isfinite(within).any() else np.nan:5.0f} %",
-              flush=True)  # fmt: skip
+              f"  within the interval {100 * np.nanmean(within) if np.isfinite(within).any() else np.nan:5.0f} %"
+              f"{limited}", flush=True)  # fmt: skip
+    print(f"  within every limit {np.count_nonzero(everywhere)} of {len(drives)} drives; "
+          f"truth within two standard errors {sum(all_inside):.0f} times of {len(all_inside)}", flush=True)  # fmt: skip
 
 
 def main():

@@ -7,6 +7,7 @@ use crate::columns::Columns;
 use crate::error::Cause;
 use crate::names::{Named, in_fmu, is_usual, taken_apart};
 use crate::signal::{Signal, Wanted};
+use crate::stamp::StampForm;
 use crate::steering::SteeringTable;
 use crate::table::Header;
 use crate::unit::Unit;
@@ -20,8 +21,10 @@ pub struct Choice {
     pub column: usize,
     /// Its name.
     pub name: String,
-    /// Its unit.
+    /// Its unit; s of time stamps.
     pub unit: Unit,
+    /// Of the time: how stamps are written, where the column holds some instead of numbers.
+    pub stamps: Option<StampForm>,
     /// Whether its axis is turned.
     pub turned: bool,
     /// How late it is, s.
@@ -47,7 +50,11 @@ impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = if self.turned { "-" } else { "" };
         let Self { signal, name, unit, .. } = self;
-        write!(f, "{signal}: column \"{name}\", {sign}{unit} -> {}", signal.quantity().si())?;
+        write!(f, "{signal}: column \"{name}\", {sign}")?;
+        match self.stamps {
+            Some(form) => write!(f, "stamps of {form} -> s since the midnight before the first")?,
+            None => write!(f, "{unit} -> {}", signal.quantity().si())?,
+        }
         if self.delay_s != 0.0 {
             write!(f, ", {} s late", self.delay_s)?;
         }
@@ -96,9 +103,15 @@ impl Chosen {
                 return Err(Cause::Twice { signal, other, name: told.name.clone() });
             }
             taken.push((column, signal));
-            let (unit, unit_assumed) = match told.unit {
-                Some(unit) => (unit, false),
-                None => unit_of(headers, column, signal)?,
+            let stamps = headers[column].stamps;
+            let (unit, unit_assumed) = match (told.unit, stamps) {
+                (None, Some(_)) if signal == Signal::Time => (Unit::SECOND, false),
+                (unit, Some(form)) => {
+                    let name = headers[column].name.clone();
+                    return Err(Cause::Stamps { signal, name, form, unit });
+                }
+                (Some(unit), None) => (unit, false),
+                (None, None) => unit_of(headers, column, signal)?,
             };
             let (turned, delay_s) = (told.turned, columns.delay_s(signal));
             let name = headers[column].name.clone();
@@ -107,6 +120,7 @@ impl Chosen {
                 column,
                 name,
                 unit,
+                stamps,
                 turned,
                 delay_s,
                 table: None,
@@ -196,10 +210,15 @@ fn guess(
         let Named { base, unit } = taken_apart(&header.name, signal);
         let unit = header.unit.or(unit);
         is_usual(&base, signal)
+            && (header.stamps.is_none() || signal == Signal::Time)
             && unit.is_none_or(|unit| unit.quantity == signal.quantity())
             && taken.iter().all(|(other, _)| *other != column)
     };
-    let found: Vec<_> = headers.iter().enumerate().filter(fits).collect();
+    let mut found: Vec<_> = headers.iter().enumerate().filter(fits).collect();
+    if found.is_empty() && signal == Signal::Time {
+        // Stamps are times whatever they are called.
+        found = headers.iter().enumerate().filter(|(_, header)| header.stamps.is_some()).collect();
+    }
     let &[(column, header)] = found.as_slice() else {
         return Err(if found.is_empty() {
             Cause::NotFound { signal, columns: names(headers) }
@@ -208,10 +227,13 @@ fn guess(
             Cause::Ambiguous { signal, columns }
         });
     };
-    let (unit, unit_assumed) = unit_of(headers, column, signal)?;
-    let name = header.name.clone();
+    let (unit, unit_assumed) = match header.stamps {
+        Some(_) => (Unit::SECOND, false),
+        None => unit_of(headers, column, signal)?,
+    };
+    let (name, stamps) = (header.name.clone(), header.stamps);
     let (turned, guessed, table) = (false, true, None);
-    Ok(Choice { signal, column, name, unit, turned, delay_s, table, guessed, unit_assumed })
+    Ok(Choice { signal, column, name, unit, stamps, turned, delay_s, table, guessed, unit_assumed })
 }
 
 #[cfg(test)]
@@ -219,7 +241,7 @@ mod tests {
     use super::*;
 
     fn headers(names: &[&str]) -> Vec<Header> {
-        names.iter().map(|name| Header { name: (*name).into(), unit: None }).collect()
+        names.iter().map(|name| Header { name: (*name).into(), unit: None, stamps: None }).collect()
     }
 
     fn lines(names: &[&str], told: &[(Signal, &str)]) -> Result<Vec<String>, Cause> {

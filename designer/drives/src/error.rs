@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::signal::Signal;
+use crate::stamp::StampForm;
 use crate::unit::Unit;
 
 /// Why a drive cannot be read, and where.
@@ -112,6 +113,21 @@ pub enum Cause {
         /// Its unit.
         unit: Unit,
     },
+    /// A column of time stamps that is told to be another signal, or to have a unit.
+    #[error(
+        "{signal}: column `{name}` holds stamps of {form}, {}",
+        unit.map_or("which are the time".into(), |unit| format!("not numbers in {unit}"))
+    )]
+    Stamps {
+        /// Of what.
+        signal: Signal,
+        /// The column.
+        name: String,
+        /// What it holds.
+        form: StampForm,
+        /// What is told.
+        unit: Option<Unit>,
+    },
     /// Two signals of one column.
     #[error("{signal} and {other} are told to be the same column `{name}`")]
     Twice {
@@ -137,6 +153,16 @@ pub enum Cause {
         name: String,
         /// The cell.
         text: String,
+    },
+    /// A cell that is no time stamp as those before it.
+    #[error("time: `{text}` in column `{name}` is no stamp of {form}")]
+    NotAStamp {
+        /// The column.
+        name: String,
+        /// The cell.
+        text: String,
+        /// What stamps the column holds.
+        form: StampForm,
     },
     /// A signal without any number.
     #[error("{signal}: column `{name}` has no number at all")]
@@ -260,9 +286,20 @@ impl Cause {
                 "--decimal-mark , reads numbers with a decimal comma".into()
             }
             Self::NotANumber { signal: Signal::Time, .. } => {
-                "time stamps are numbers, in s, ms, us or ns; --time NAME:UNIT names another column"
+                "time stamps are numbers in s, ms, us or ns, or all such as 2026-03-01T12:00:00.010 or \
+                 12:00:00.010; --time NAME:UNIT names another column"
                     .into()
             }
+            Self::NotAStamp { form, .. } => format!(
+                "stamps are all as the first one, such as {}",
+                match form {
+                    StampForm::Zoned => "2026-03-01T12:00:00.010+01:00",
+                    StampForm::Dated => "2026-03-01 12:00:00.010",
+                    StampForm::Clock => "12:00:00.010",
+                }
+            ),
+            Self::Stamps { signal: Signal::Time, name, .. } => format!("--time '{name}' without a unit"),
+            Self::Stamps { signal, .. } => format!("--{} names another column", signal.flag()),
             Self::RunsBack { .. } => {
                 "sort the rows by time, or split the file where another recording begins".into()
             }

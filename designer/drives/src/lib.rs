@@ -9,7 +9,7 @@
 //!   other axes turns a column by a minus in its mapping.
 //! - The steering is what its sensor shows, at the hand wheel or the road wheel: neither ratio nor offset is
 //!   applied here, a table from hand wheel to road wheel ([`SteeringTable`]) is.
-//! - Times are those of the file, s. A signal that comes late by its delay belongs to the time before that.
+//! - Times are those of the file, s; of stamps of date and clock since the midnight before the first. A signal that comes late by its delay belongs to the time before that.
 //! - What is guessed of a file is said ([`Chosen`]); what looks wrong is an error with its line, or a
 //!   [`Finding`].
 //! - Files are streamed: memory does not grow with them.
@@ -23,6 +23,7 @@ mod reader;
 mod resample;
 mod sample;
 mod signal;
+mod stamp;
 mod steering;
 mod table;
 mod unit;
@@ -35,5 +36,6 @@ pub use reader::{Layout, Reader, Row};
 pub use resample::{Resampled, Resampler, Spacing, pieces};
 pub use sample::{Piece, Sample};
 pub use signal::{Signal, Wanted};
+pub use stamp::StampForm;
 pub use steering::{SteeringTable, SteeringTableError};
 pub use unit::{Quantity, Unit};

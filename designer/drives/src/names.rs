@@ -75,7 +75,17 @@ pub(crate) fn in_fmu(signal: Signal) -> Option<&'static str> {
 /// Whether columns of this name are usually the signal.
 pub(crate) fn is_usual(base: &str, signal: Signal) -> bool {
     let names: &[&str] = match signal {
-        Signal::Time => &["time", "t", "timestamp", "time_stamp", "timestamps", "elapsed", "zeit"],
+        Signal::Time => &[
+            "time",
+            "t",
+            "timestamp",
+            "time_stamp",
+            "timestamps",
+            "elapsed",
+            "zeit",
+            "datetime",
+            "date_time",
+        ],
         Signal::Speed => &[
             "speed",
             "v",

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use crate::choose::Chosen;
+use crate::choose::{Choice, Chosen};
 use crate::columns::Columns;
 use crate::error::{Cause, DriveError};
 use crate::findings::{Finding, Sideways, Watch};
@@ -172,9 +172,12 @@ impl Reader {
         };
         let [shortest_s, longest_s] = STEPS_S;
         if !(shortest_s..=longest_s).contains(&step_s) {
-            let unit = self.chosen.of(Signal::Time).map_or(crate::Unit::SECOND, |time| time.unit);
+            let time = self.chosen.of(Signal::Time);
+            let unit = time.map_or(crate::Unit::SECOND, |time| time.unit);
             let likely = likely_unit(step_s / unit.in_si);
-            let likely = likely.filter(|&likely| likely != unit.symbol);
+            // Stamps leave no choice of a unit.
+            let is_number = time.is_none_or(|time| time.stamps.is_none());
+            let likely = likely.filter(|&likely| is_number && likely != unit.symbol);
             return Err(self.error(Some(line), Cause::Step { step_s, unit, likely }));
         }
         failure.map_or(Ok(()), Err)
@@ -194,11 +197,16 @@ impl Reader {
             Ok(None) => return Ok(None),
             Err(RowError::Other(cause)) => return Err(self.error(None, cause)),
             Err(RowError::Cell { line, place, text }) => {
-                let choice = self.chosen.choices().nth(place);
-                let (signal, name) = choice.map_or((Signal::Time, String::new()), |choice| {
-                    (choice.signal, choice.name.clone())
-                });
-                return Err(self.error(Some(line), Cause::NotANumber { signal, name, text }));
+                let cause = match self.chosen.choices().nth(place) {
+                    Some(Choice { name, stamps: Some(form), .. }) => {
+                        Cause::NotAStamp { name: name.clone(), text, form: *form }
+                    }
+                    Some(Choice { signal, name, .. }) => {
+                        Cause::NotANumber { signal: *signal, name: name.clone(), text }
+                    }
+                    None => Cause::NotANumber { signal: Signal::Time, name: String::new(), text },
+                };
+                return Err(self.error(Some(line), cause));
             }
         };
         let value = |signal: Signal| match (self.places[signal.index()], self.chosen.of(signal)) {

@@ -6,8 +6,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use parquet::basic::{Compression, Repetition, Type as Physical, ZstdLevel};
-use parquet::data_type::{DoubleType, FloatType};
+use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical, ZstdLevel};
+use parquet::data_type::{DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
@@ -127,6 +127,194 @@ fn parquet_is_read_by_its_content_whatever_its_compression() {
         assert_eq!(findings.len(), 2, "{findings:?}");
         assert!(findings[0].contains("3 cells of `speed_kmh` without a number"), "{findings:?}");
         assert!(findings[1].contains("`hw [deg]` never changes"), "{findings:?}");
+    }
+}
+
+/// A drive whose time column holds `stamps`.
+fn stamped(name: &str, stamps: &[String]) -> String {
+    let rows = stamps.iter().zip(0..).map(|(stamp, k)| format!("{stamp};{}\n", values(k)));
+    format!("{name};v [m/s];r [rad/s];hw [rad]\n{}", rows.collect::<String>())
+}
+
+/// Cells of a row, with a decimal comma.
+fn values(k: u32) -> String {
+    format!("10,5;0,{k:05};0,3")
+}
+
+/// The clock `hundredths` after a midnight.
+fn clock(hundredths: u32) -> String {
+    let (seconds, rest) = (hundredths / 100, hundredths % 100);
+    format!("{:02}:{:02}:{:02}.{rest:02}", seconds / 3600 % 24, seconds / 60 % 60, seconds % 60)
+}
+
+/// Hundredths of a second in a day, and the first row of drives that pass midnight.
+const DAY: u32 = 8_640_000;
+const BEGIN: u32 = DAY - 150;
+
+/// Name of a column, what is said of its stamps, and the stamp hundredths after a midnight.
+type Stamped<'a> = (&'a str, &'a str, &'a dyn Fn(u32) -> String);
+
+#[test]
+fn stamps_of_date_and_clock_are_times_since_the_midnight_before_the_first() {
+    let date = |k| if k < DAY { "2026-02-28" } else { "2026-03-01" };
+    let written: [Stamped<'_>; 4] = [
+        ("t", "clock", &clock),
+        ("Date/Time", "date and clock", &|k| format!("{} {}", date(k), clock(k))),
+        ("recorded", "date, clock and zone", &|k| format!("{}T{}0000+01:00", date(k), clock(k))),
+        ("", "date and clock", &|k| format!("{}T{}", date(k), clock(k).replace('.', ","))),
+    ];
+    for (name, form, stamp) in written {
+        let stamps: Vec<_> = (BEGIN..BEGIN + 300).map(stamp).collect();
+        let (_folder, path) = file(stamped(name, &stamps).as_bytes());
+        let mut reader = Reader::open(&path, &Columns::default(), Wanted::ALL).unwrap();
+        assert_eq!(
+            reader.chosen().of(Signal::Time).unwrap().to_string(),
+            format!(
+                "time: column \"{}\", stamps of {form} -> s since the midnight before the first (guessed)",
+                if name.is_empty() { "1" } else { name }
+            )
+        );
+        let rows: Vec<_> = reader.by_ref().map(Result::unwrap).collect();
+        let times: Vec<_> = rows.iter().map(|row| row.time_s).collect();
+        let expected: Vec<_> = (BEGIN..BEGIN + 300).map(|k| f64::from(k) / 100.0).collect();
+        assert_eq!(times, expected);
+        assert_eq!((rows[7].line, rows[7].values[0]), (9, 10.5));
+        assert_eq!(reader.findings().len(), 2, "speed and steering never change");
+    }
+}
+
+#[test]
+fn a_row_a_message_may_be_stamped() {
+    let rows = (0..300).map(|k| {
+        let cells = [",10,,", ",,0.1,", ",,,0.3"][k as usize % 3];
+        format!("2026-03-01 {}{cells}\n", clock(k))
+    });
+    let text = format!("t,v [m/s],r [rad/s],hw [rad]\n{}", rows.collect::<String>());
+    let (rows, _) = read(text.as_bytes(), &Columns::default()).unwrap();
+    assert_eq!((rows.len(), rows[299].time_s, rows[299].values[2]), (300, 2.99, 0.3));
+}
+
+#[test]
+fn stamps_that_cannot_be_are_said_with_their_line() {
+    let with = |line: usize, stamp: &str| {
+        let mut stamps: Vec<_> = (0..300).map(|k| format!("2026-03-01T{}Z", clock(k))).collect();
+        stamps[line - 2] = stamp.into();
+        stamped("t", &stamps)
+    };
+    let told = |signal, text: &str| {
+        let mut columns = Columns::default();
+        columns.tell(signal, text).unwrap();
+        columns
+    };
+    let daily: Vec<_> = (1..29).map(|k| format!("2026-02-{k:02} 12:00:00")).collect();
+    for (text, columns, line, part, help) in [
+        (
+            with(300, "2026-03-01T00:00:02.98"),
+            Columns::default(),
+            Some(300),
+            "time: `2026-03-01T00:00:02.98` in column `t` is no stamp of date, clock and zone",
+            "2026-03-01T12:00:00.010+01:00",
+        ),
+        (with(2, "1.5"), Columns::default(), Some(3), "is no number", "2026-03-01T12:00:00.010"),
+        (with(299, "2026-02-30T00:00:02Z"), Columns::default(), Some(299), "is no stamp", ""),
+        (with(300, ""), Columns::default(), Some(300), "the time stamp is missing", ""),
+        (
+            with(300, "2026-03-01T00:00:02.98+00:30"),
+            Columns::default(),
+            Some(300),
+            "time runs back, from 2.97 s to -1797.02 s",
+            "",
+        ),
+        (
+            with(300, "2026-03-01T00:00:02.98Z"),
+            told(Signal::Time, "t:ms"),
+            None,
+            "time: column `t` holds stamps of date, clock and zone, not numbers in ms",
+            "--time 't' without a unit",
+        ),
+        (
+            with(300, "2026-03-01T00:00:02.98Z"),
+            told(Signal::Speed, "t"),
+            None,
+            "speed: column `t` holds stamps of date, clock and zone, which are the time",
+            "--speed names another column",
+        ),
+        (
+            stamped("t", &daily),
+            Columns::default(),
+            Some(2),
+            "86400 s a row, read in s: it is no",
+            "",
+        ),
+    ] {
+        let error = read(text.as_bytes(), &columns).unwrap_err();
+        assert!(error.to_string().contains(part), "`{part}` is missing in: {error}");
+        assert_eq!(error.line, line, "{error}");
+        let said = error.cause.help().unwrap_or_default();
+        assert!(said.contains(help), "`{help}` is missing in: {said}");
+    }
+}
+
+#[test]
+fn stamps_of_parquet_are_exact_to_the_microsecond() {
+    // 2026-03-01 in days since 1970.
+    const DATE: i64 = 20_513;
+    let dated = |utc, unit| LogicalType::timestamp(utc, unit);
+    for (logical, physical, form, unit_per_s) in [
+        (dated(true, TimeUnit::NANOS), Physical::INT64, "date, clock and zone", 1_000_000_000),
+        (dated(false, TimeUnit::MICROS), Physical::INT64, "date and clock", 1_000_000),
+        (LogicalType::time(false, TimeUnit::MICROS), Physical::INT64, "clock", 1_000_000),
+        (LogicalType::time(false, TimeUnit::MILLIS), Physical::INT32, "clock", 1000),
+    ] {
+        let number = |name| {
+            let field = Type::primitive_type_builder(name, Physical::DOUBLE);
+            Arc::new(field.with_repetition(Repetition::REQUIRED).build().unwrap())
+        };
+        let time = Type::primitive_type_builder("index", physical)
+            .with_repetition(Repetition::REQUIRED)
+            .with_logical_type(Some(logical));
+        let fields = vec![
+            Arc::new(time.build().unwrap()),
+            number("v_m_per_s"),
+            number("yaw_rate_rad_s"),
+            number("hw_deg"),
+        ];
+        let schema = Type::group_type_builder("drive").with_fields(fields).build().unwrap();
+        let mut writer =
+            SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::default()).unwrap();
+        let mut group = writer.next_row_group().unwrap();
+        let count = |k: u32| {
+            // Odd microseconds, or of coarser units what is nearest.
+            let us = i64::from(k) * 10_000 + i64::from(k % 7);
+            let (day_us, of_clock) = (86_400_000_000, form == "clock");
+            let us = if of_clock { us % day_us } else { us + DATE * day_us };
+            if unit_per_s < 1_000_000 { us / 1000 } else { us * (unit_per_s / 1_000_000) }
+        };
+        let counts: Vec<_> = (BEGIN..BEGIN + 300).map(count).collect();
+        let mut column = group.next_column().unwrap().unwrap();
+        if physical == Physical::INT64 {
+            column.typed::<Int64Type>().write_batch(&counts, None, None).unwrap();
+        } else {
+            let counts: Vec<_> = counts.iter().map(|&count| count as i32).collect();
+            column.typed::<Int32Type>().write_batch(&counts, None, None).unwrap();
+        }
+        column.close().unwrap();
+        while let Some(mut column) = group.next_column().unwrap() {
+            column.typed::<DoubleType>().write_batch(&[0.1; 300], None, None).unwrap();
+            column.close().unwrap();
+        }
+        group.close().unwrap();
+        let (_folder, path) = file(&writer.into_inner().unwrap());
+        let mut reader = Reader::open(&path, &Columns::default(), Wanted::ALL).unwrap();
+        let said = reader.chosen().of(Signal::Time).unwrap().to_string();
+        assert!(said.contains(&format!("column \"index\", stamps of {form} -> s since")), "{said}");
+        let times: Vec<_> = reader.by_ref().map(|row| row.unwrap().time_s).collect();
+        assert_eq!(times.len(), 300);
+        for (time_s, k) in times.iter().zip(BEGIN..) {
+            let us =
+                i64::from(k) * 10_000 + i64::from(if unit_per_s < 1_000_000 { 0 } else { k % 7 });
+            assert_eq!(*time_s, us as f64 / 1e6, "{said}");
+        }
     }
 }
 

@@ -13,7 +13,7 @@ pub struct ColumnArguments {
     /// File (TOML) that says what is below for each signal; flags come before it
     #[arg(long, value_name = "FILE")]
     pub columns: Option<PathBuf>,
-    /// Time stamp: s, ms, us, ns
+    /// Time stamp: s, ms, us, ns, or date and clock without a unit
     #[arg(long, value_name = "NAME[:UNIT]")]
     pub time: Option<String>,
     /// Longitudinal speed: m/s, km/h, mph, kn

@@ -2,10 +2,12 @@
 //!
 //! # Conventions
 //! Candidates are judged by the first lines of the file: the most numbers less the fewest words, in lines of
-//! the same number of cells. Where several are as good, the first of [`DELIMITERS`] and the decimal point win.
+//! the same number of cells. Time stamps count as numbers. Where several are as good, the first of [`DELIMITERS`]
+//! and the decimal point win.
 
 use super::row::Header;
 use crate::error::Cause;
+use crate::stamp::{Stamp, StampForm};
 use crate::unit::Unit;
 
 /// Delimiters that are looked for.
@@ -62,11 +64,32 @@ pub(super) fn number(cell: &[u8], decimal_mark: u8) -> Option<f64> {
 }
 
 /// What loggers write where there is no number.
-fn is_none(cell: &[u8]) -> bool {
+pub(super) fn is_none(cell: &[u8]) -> bool {
+    let cell = cell.trim_ascii();
     cell.is_empty()
-        || [&b"na"[..], b"n/a", b"null", b"none", b"-", b"--", b"-nan", b"1.#qnan", b"-1.#ind"]
-            .iter()
-            .any(|none| cell.eq_ignore_ascii_case(none))
+        || [
+            &b"na"[..],
+            b"nan",
+            b"nat",
+            b"n/a",
+            b"null",
+            b"none",
+            b"-",
+            b"--",
+            b"-nan",
+            b"1.#qnan",
+            b"-1.#ind",
+        ]
+        .iter()
+        .any(|none| cell.eq_ignore_ascii_case(none))
+}
+
+/// Whether a cell has a number or a time stamp; `None` where it is something else.
+fn is_value(cell: &[u8], decimal_mark: u8) -> Option<bool> {
+    match number(cell, decimal_mark) {
+        Some(number) => Some(!number.is_nan()),
+        None => Stamp::parse(cell).map(|_| true),
+    }
 }
 
 /// The cells of a line.
@@ -116,7 +139,7 @@ impl Dialect {
     fn of(lines: &[Line<'_>], delimiter: u8, mark: u8, width: usize) -> Result<Self, Cause> {
         let numbers = |line: &Line<'_>| {
             let cells = cells(line.text, delimiter);
-            let is_number = |cell: &&Vec<u8>| number(cell, mark).is_some_and(|x| !x.is_nan());
+            let is_number = |cell: &&Vec<u8>| is_value(cell, mark) == Some(true);
             (cells.len() == width).then(|| cells.iter().filter(is_number).count())
         };
         let mut counts: Vec<usize> = lines.iter().filter_map(numbers).filter(|&n| n > 0).collect();
@@ -139,6 +162,12 @@ impl Dialect {
                 names = before;
             }
         }
+        // By the first cell with anything in it.
+        let stamps = |column: usize| -> Option<StampForm> {
+            let rows = lines[first..].iter().map(|line| cells(line.text, delimiter));
+            let mut column = rows.filter_map(|cells| cells.get(column).cloned());
+            Stamp::parse(&column.find(|cell| !is_none(cell))?).map(|stamp| stamp.form)
+        };
         let header = |column: usize| {
             let cell =
                 |row: &Option<Vec<String>>| row.as_ref().and_then(|r| r.get(column).cloned());
@@ -147,6 +176,7 @@ impl Dialect {
                 name: name.unwrap_or_else(|| (column + 1).to_string()),
                 unit: cell(&units)
                     .and_then(|unit| Unit::parse(unit.trim_matches(['[', ']', '(', ')']))),
+                stamps: stamps(column),
             }
         };
         let row = &lines[first];
@@ -181,10 +211,7 @@ fn lines(begin: &[u8]) -> Vec<Line<'_>> {
 /// Numbers less words in the lines of the most frequent number of cells, and that number; `None` where
 /// there is no table. Lines with more words than numbers are none of its rows.
 fn score(split: &[Vec<Vec<u8>>], mark: u8) -> Option<(i64, usize)> {
-    let judge = |cell: &Vec<u8>| match number(cell, mark) {
-        Some(x) => i64::from(!x.is_nan()),
-        None => -1,
-    };
+    let judge = |cell: &Vec<u8>| is_value(cell, mark).map_or(-1, i64::from);
     let judged = split.iter().filter(|cells| cells.len() > 1);
     let judged = judged.map(|cells| (cells.len(), cells.iter().map(judge).sum::<i64>()));
     let rows: Vec<_> = judged.filter(|(_, score)| *score > 0).collect();
@@ -251,6 +278,9 @@ mod tests {
             ("a,b\n\"1,5\",\"2,0\"\n", b',', b','),
             ("a,b,event\n1.5,2,start of it\n3,4.25,\n", b',', b'.'),
             ("a;b\n1;2\n", b';', b'.'),
+            ("t,a,b\n2026-03-01 12:00:00.5,1.5,\n2026-03-01 12:00:01,,2\n", b',', b'.'),
+            ("t;a\n12:00:00,5;1,5\n12:00:01,0;2,5\n", b';', b','),
+            ("d t a\n2026-03-01 12:00:00.5 1.5\n2026-03-01 12:00:01 2\n", b' ', b'.'),
         ] {
             let dialect = found(text);
             assert_eq!((dialect.delimiter, dialect.decimal_mark), (delimiter, mark), "{text}");

@@ -1,6 +1,7 @@
 //! What tables say of their columns and rows.
 
 use crate::error::Cause;
+use crate::stamp::StampForm;
 use crate::unit::Unit;
 
 /// What a file says of a column.
@@ -10,12 +11,14 @@ pub(crate) struct Header {
     pub name: String,
     /// Its unit, where a line of units or its type says so.
     pub unit: Option<Unit>,
+    /// How its cells are written, where they are time stamps and no numbers.
+    pub stamps: Option<StampForm>,
 }
 
 /// A row that cannot be read.
 #[derive(Debug)]
 pub(crate) enum RowError {
-    /// A cell that is no number.
+    /// A cell that is no number, or no time stamp in a column of them.
     Cell {
         /// Its line.
         line: u64,

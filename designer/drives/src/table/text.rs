@@ -4,9 +4,10 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 
 use super::bounded::{Bounded, MAX_ROW_BYTES};
-use super::dialect::{Dialect, number};
+use super::dialect::{Dialect, is_none, number};
 use super::row::{Header, RowError};
 use crate::error::Cause;
+use crate::stamp::{Stamp, Stamps};
 
 /// Bytes that the dialect is found by.
 const BEGIN: u64 = 1 << 17;
@@ -20,7 +21,8 @@ pub(crate) struct Text {
     lines_before: u64,
     reader: csv::Reader<Bounded>,
     record: csv::ByteRecord,
-    selected: Vec<usize>,
+    /// Columns, and what stamps they hold.
+    selected: Vec<(usize, Option<Stamps>)>,
 }
 
 impl Text {
@@ -75,7 +77,8 @@ impl Text {
     }
 
     pub(super) fn select(&mut self, columns: &[usize]) {
-        self.selected = columns.to_vec();
+        let stamps = |column: usize| self.headers[column].stamps.map(Stamps::new);
+        self.selected = columns.iter().map(|&column| (column, stamps(column))).collect();
     }
 
     pub(super) fn next(&mut self, cells: &mut [f64]) -> Result<Option<u64>, RowError> {
@@ -90,10 +93,17 @@ impl Text {
             Err(error) => return Err(error.into()),
         }
         let line = self.record.position().map_or(0, csv::Position::line) + self.lines_before;
-        for (place, (cell, &column)) in cells.iter_mut().zip(&self.selected).enumerate() {
+        for (place, (cell, (column, stamps))) in
+            cells.iter_mut().zip(&mut self.selected).enumerate()
+        {
             // A row that ends early has none of the rest.
-            let bytes = self.record.get(column).unwrap_or_default();
-            *cell = number(bytes, self.decimal_mark).ok_or_else(|| RowError::Cell {
+            let bytes = self.record.get(*column).unwrap_or_default();
+            let read = match stamps {
+                None => number(bytes, self.decimal_mark),
+                Some(_) if is_none(bytes) => Some(f64::NAN),
+                Some(stamps) => Stamp::parse(bytes).and_then(|stamp| stamps.seconds(stamp)),
+            };
+            *cell = read.ok_or_else(|| RowError::Cell {
                 line,
                 place,
                 text: String::from_utf8_lossy(bytes).trim().chars().take(40).collect(),
