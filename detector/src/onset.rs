@@ -17,11 +17,13 @@ use crate::algebra::{all_finite, magnitude};
 use crate::filter::{Correction, STATES, Transition};
 use crate::{Estimator, Filter, Gust, RELEASE, TsModel, Uncertainty};
 
-/// Onsets that are looked at, at most.
-pub const HYPOTHESES: usize = 20;
+/// Onsets that are looked at, at most: those up to [`OLDEST_S`], two thirds of [`SPACING_S`] apart or more.
+pub const HYPOTHESES: usize = 16;
 
-/// Onsets are looked at this far apart up to an age, s: what lasts longer road and vehicle may explain.
-const SPACINGS_S: [[f64; 2]; 2] = [[0.05, 0.5], [0.1, 1.0]];
+/// Onsets are looked at this far apart, s, or as many samples as come nearest to that.
+const SPACING_S: f64 = 0.05;
+/// Age up to which an onset is looked at, s: what lasts longer road and vehicle may explain.
+const OLDEST_S: f64 = 0.5;
 /// Time that a fault that was taken in speaks for an alarm, s.
 const KNOWN_FOR_S: f64 = 10.0;
 /// Share of what bank and gust at their bounds look like that the statistic allows for.
@@ -144,8 +146,9 @@ impl Onsets {
 pub(crate) struct OnsetTest {
     threshold: f64,
     estimate_factor: f64,
-    /// Samples between onsets, and age up to which they are that far apart.
-    spacings: [[u64; 2]; 2],
+    /// Samples between onsets, and age of the oldest.
+    spacing: u64,
+    oldest: u64,
     /// The first onset, the age of one that is taken in, and how long that speaks.
     first: u64,
     settled: u64,
@@ -170,18 +173,12 @@ impl OnsetTest {
                     - (l_f - ahead_m) / axle(v.rear_cornering_stiffness_n_per_rad),
             )
         };
-        let mut before = 1;
-        let spacings = SPACINGS_S.map(|[every_s, until_s]| {
-            // A multiple of the spacing before, so that some of its onsets can stay.
-            let every = ((every_s / period_s / before as f64 + 0.5) as u64).max(1) * before;
-            before = every;
-            [every, (until_s / period_s) as u64]
-        });
         let samples = |time_s: f64| (time_s / period_s) as u64;
         Self {
             threshold,
             estimate_factor,
-            spacings,
+            spacing: ((SPACING_S / period_s + 0.5) as u64).max(1),
+            oldest: samples(OLDEST_S),
             first: samples(KNOWN_S),
             settled: samples(SETTLED_S),
             known_for: samples(KNOWN_FOR_S),
@@ -309,25 +306,18 @@ impl OnsetTest {
         let samples = onsets.samples;
         for hypothesis in &mut onsets.hypotheses {
             if let Some(onset) = hypothesis.onset {
-                if self.keeps(samples.saturating_sub(onset), onset) {
+                if samples.saturating_sub(onset) <= self.oldest {
                     transition.advance(&mut hypothesis.error);
                 } else {
                     hypothesis.onset = None;
                 }
             }
         }
-        let [[every, _], ..] = self.spacings;
         if samples >= self.first
-            && samples.is_multiple_of(every)
+            && samples.is_multiple_of(self.spacing)
             && let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none())
         {
             *free = Hypothesis { onset: Some(samples), ..Hypothesis::default() };
         }
-    }
-
-    /// Whether an onset is looked at at this age. Not inlined, since the loop over onsets is unrolled.
-    #[inline(never)]
-    fn keeps(&self, age: u64, onset: u64) -> bool {
-        self.spacings.iter().any(|[every, until]| age <= *until && onset.is_multiple_of(*every))
     }
 }

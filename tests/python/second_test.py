@@ -21,8 +21,7 @@ SLOPE_NOISE, FORCE_NOISE = 0.03, 0.02
 INITIAL_V_Y = 1.0
 LARGEST_ERROR = 0.5
 LOST, LOST_V_Y, LOST_R = 200.0, 50.0, 20.0
-SPACINGS_S = [(0.05, 0.5), (0.1, 1.0)]
-HYPOTHESES = 20
+SPACING_S, OLDEST_S = 0.05, 0.5
 KNOWN_FOR_S = 10.0
 LOOKS = 0.2  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.3
@@ -44,10 +43,7 @@ class SecondTest:
             q.steering_ratio, q.steering_offset, q.yaw_rate_bias, q.v_x_scale,
         ]  # fmt: skip
         self.deviations = bounds
-        every, self.spacings = 1, []
-        for spacing, until in SPACINGS_S:
-            every *= max(int(spacing / period / every + 0.5), 1)
-            self.spacings.append((every, int(until / period)))
+        self.spacing, self.oldest = max(int(SPACING_S / period + 0.5), 1), int(OLDEST_S / period)
         self.first, self.settled = int(KNOWN_S / period), int(SETTLED_S / period)
         self.known_for = int(KNOWN_FOR_S / period)
         self.forget()
@@ -215,12 +211,11 @@ class SecondTest:
         self.P += self._noise(x, forces, loads, behind)
 
         self.samples += 1
-        self.hypotheses = [h for h in self.hypotheses if self._keeps(self.samples - h[0], h[0])]
+        self.hypotheses = [h for h in self.hypotheses if self.samples - h[0] <= self.oldest]
         for hypothesis in self.hypotheses:
             hypothesis[1] = Phi @ hypothesis[1]
             hypothesis[1][:3] += over @ by_fault
-        every, _ = self.spacings[0]
-        if self.samples >= self.first and self.samples % every == 0 and len(self.hypotheses) < HYPOTHESES:
+        if self.samples >= self.first and self.samples % self.spacing == 0:
             self.hypotheses.append([self.samples, np.zeros(STATES), 0.0, 0.0])
 
     def _noise(self, x, forces, loads, behind):
@@ -244,9 +239,6 @@ class SecondTest:
         for k in range(MASS, STATES):
             Q[k, k] = t * (WALK * self.deviations[k]) ** 2
         return Q
-
-    def _keeps(self, age, onset):
-        return any(age <= until and onset % every == 0 for every, until in self.spacings)
 
     def likeliest(self):
         found = [h for h in self.hypotheses if h[3] > 0]

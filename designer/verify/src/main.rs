@@ -58,7 +58,7 @@ fn main() -> ExitCode {
     match verify(&text) {
         Ok(verdict) => {
             // Whoever closed the pipe has read enough.
-            let _ = write!(std::io::stdout(), "{verdict}");
+            let _ = write!(io::stdout(), "{verdict}");
             let good = verdict.is_certified() && !verdict.is_blind();
             if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }

@@ -18,7 +18,7 @@ use text::Text;
 /// An open file.
 pub(crate) enum Table {
     /// CSV.
-    Text(Text),
+    Text(Box<Text>),
     /// Parquet.
     Binary(Box<Binary>),
 }
@@ -62,7 +62,7 @@ impl Table {
             let other = OTHERS.iter().find(|(magic, _)| begin.starts_with(magic));
             match other {
                 Some((_, what)) => Err(Cause::Format(what)),
-                None => Ok(Self::Text(Text::new(file, delimiter, decimal_mark)?)),
+                None => Ok(Self::Text(Box::new(Text::new(file, delimiter, decimal_mark)?))),
             }
         };
         open().map_err(failed)
