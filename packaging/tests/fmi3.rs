@@ -144,7 +144,7 @@ fn faults_are_found() {
     let library = platform().library_path(names::DETECTOR);
     let library = library.as_str();
     assert_found("note no-icon", |all| drop(all.remove("terminalsAndIcons/icon.png")));
-    assert_found("error binary-missing", |all| {
+    assert_found("error binary-missing, note no-digest", |all| {
         let bytes = all.remove(library).unwrap();
         all.insert(library.replace("Steering", "Braking"), bytes);
     });

@@ -188,7 +188,8 @@ impl Scaled<'_> {
         };
         let evaluation = &self.configuration.evaluation;
         // A threshold of nothing is none.
-        let threshold = f64::MIN_POSITIVE.max(of_level * evaluation.threshold);
+        // The least that a detector takes.
+        let threshold = 1e-100_f64.max(of_level * evaluation.threshold);
         Ok(Configuration {
             deviations: model::deviations(&scaled),
             evaluation: Evaluation { threshold, ..*evaluation },
