@@ -148,11 +148,14 @@ pub(crate) fn positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
+/// The least threshold, sampling period and factor on a threshold; the largest is its reciprocal.
+pub const LEAST: f64 = 1e-100;
+
 /// Whether `x` is positive, and so far from what an f64 holds that products with times and factors are
 /// finite and positive too.
 #[inline(never)]
 pub(crate) fn measurable(x: f64) -> bool {
-    (1e-100..=1e100).contains(&x)
+    (LEAST..=1.0 / LEAST).contains(&x)
 }
 
 /// Whether `x` is finite and not negative.

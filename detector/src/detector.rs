@@ -187,6 +187,15 @@ impl State {
         self.tracking = false;
         self.armed = false;
     }
+
+    /// The observer no longer runs, and what it has come to is lost: it may be no number, which no state may hold.
+    #[cold]
+    fn lose_observer(&mut self) {
+        self.stop_observer();
+        self.z = [0.0; 3];
+        self.rms = Rms::EMPTY;
+        self.responses = Responses::NONE;
+    }
 }
 
 /// Why a state is refused: no detector of the configuration can have had it.
@@ -661,7 +670,7 @@ impl Detector {
         let x_hat = self.observer.estimate(state.z, y);
         if !plausible(&x_hat) {
             // phi grows with the square of the estimate: nothing leads back from here.
-            state.stop_observer();
+            state.lose_observer();
             return;
         }
         let h = self.observer.membership(y);
@@ -774,8 +783,9 @@ impl Detector {
     /// starts anew at the next sample, and what is told until then is finite.
     #[cold]
     fn lose(&mut self) {
-        self.state.stop_observer();
+        self.state.lose_observer();
         self.state.followed = 0;
+        self.state.motions = [ReferenceMotion::default(); MOTIONS];
         if let Some(second) = &self.second {
             second.forget(&mut self.state.filter, &mut self.state.onsets);
         }

@@ -39,7 +39,7 @@ mod vehicle;
 
 pub use actuator::{Actuator, ActuatorState, MAX_DELAY_SAMPLES};
 pub use axles::Loading;
-pub use configuration::{Configuration, ConfigurationError};
+pub use configuration::{Configuration, ConfigurationError, LEAST};
 pub use detector::{
     AlarmCause, Detector, Initialisation, LARGEST_ESTIMATE, Monitor, Output, State, StateCause,
     StateError,

@@ -5,6 +5,8 @@
 mod common;
 #[path = "common/fmu.rs"]
 mod fmu;
+#[path = "common/subject.rs"]
+mod subject;
 
 use steerguard::campaign::drive::Drive;
 use steerguard::campaign::settings::{FaultMix, Mix, Sensors, Settings, Subject, Uncertainty};
@@ -15,22 +17,11 @@ use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::report::design_summary::Record;
 use steerguard_designer::spec::UncertaintyTable;
-use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
+use steerguard_detector::Actuator;
 use steerguard_world::{FaultKind, Manoeuvre, Plan};
 
 use fmu::open;
-
-const SUBJECT: Subject = Subject {
-    vehicle: Vehicle::PAPER,
-    actuator: Actuator::NONE,
-    zero: Zero { steering_offset_rad: 0.0, yaw_rate_bias_rad_per_s: 0.0 },
-    period_s: 0.01,
-    armed_v_x: Interval::new(5.5, 29.5),
-    lateral_acceleration_m_per_s2: 3.0,
-    steering_rate_rad_per_s: 0.3,
-    smallest_fault_deg: 0.5,
-    gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
-};
+use subject::SUBJECT;
 
 const SETTINGS: Settings = Settings {
     seed: 1,

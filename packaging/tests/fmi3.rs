@@ -149,29 +149,32 @@ fn faults_are_found() {
         all.insert(library.replace("Steering", "Braking"), bytes);
     });
     // The folder of FMI 2.0, where importers of FMI 3.0 do not look.
-    assert_found("warning unknown-platform", |all| {
+    assert_found("warning unknown-platform, note no-digest", |all| {
         let bytes = all.remove(library).unwrap();
         all.insert(Platform::HOST.unwrap().library_path(names::DETECTOR), bytes);
     });
-    assert_found("error missing-function, warning other-symbols", |all| {
+    assert_found("error digest, error missing-function, warning other-symbols", |all| {
         edit(all, library, b"\0fmi3GetClock\0", b"\0fmi3GotClock\0");
     });
     // Announced by no flag; for Model Exchange alone; announced by canGetAndSetFMUState.
-    assert_found("warning missing-function, warning other-symbols", |all| {
+    assert_found("error digest, warning missing-function, warning other-symbols", |all| {
         edit(all, library, b"\0fmi3GetAdjointDerivative\0", b"\0fmi3GotAdjointDerivative\0");
     });
-    assert_found("warning other-symbols", |all| {
+    assert_found("error digest, warning other-symbols", |all| {
         edit(all, library, b"\0fmi3SetTime\0", b"\0fmi3SatTime\0");
     });
-    assert_found("error missing-function, warning other-symbols", |all| {
+    assert_found("error digest, error missing-function, warning other-symbols", |all| {
         edit(all, library, b"\0fmi3GetFMUState\0", b"\0fmi3GotFMUState\0");
     });
     // A library of FMI 2.0, unbaked, in its place.
     let all_missing = "error missing-function, warning missing-function";
-    assert_found(&format!("{all_missing}, warning other-symbols, error unbaked"), |all| {
-        let runtime = Runtimes::detector().0.remove(&Platform::HOST.unwrap()).unwrap();
-        all.insert(library.to_owned(), runtime);
-    });
+    assert_found(
+        &format!("{all_missing}, warning other-symbols, error unbaked, error digest"),
+        |all| {
+            let runtime = Runtimes::detector().0.remove(&Platform::HOST.unwrap()).unwrap();
+            all.insert(library.to_owned(), runtime);
+        },
+    );
     assert_found("error guid-digest", |all| {
         edit(all, DESCRIPTION, b"Measured yaw rate", b"Measured Yaw rate");
     });

@@ -8,13 +8,15 @@ mod command;
 mod common;
 #[path = "common/fmu.rs"]
 mod fmu;
+#[path = "common/subject.rs"]
+mod subject;
 
 use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
 use std::process::Command;
 
 use steerguard::campaign::drive::Drive;
-use steerguard::campaign::settings::{FaultMix, Mix, Sensors, Settings, Subject, Uncertainty};
+use steerguard::campaign::settings::{FaultMix, Mix, Sensors, Settings, Uncertainty};
 use steerguard::campaign::simulation::TestBench;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
@@ -22,7 +24,7 @@ use steerguard::platform::Platform;
 use steerguard::replay::{Bench, OpenDrive, Outputs, drive};
 use steerguard::report::design_summary::Record;
 use steerguard_designer::spec::UncertaintyTable;
-use steerguard_detector::{Actuator, Gust, Interval, Vehicle, Zero};
+use steerguard_detector::{Interval, Vehicle, Zero};
 use steerguard_drives::Columns;
 use steerguard_model_description::VariableSet as _;
 use steerguard_model_description::detector::DetectorVariable;
@@ -33,6 +35,7 @@ use zip::{ZipArchive, ZipWriter};
 
 use command::failure;
 use fmu::open;
+use subject::SUBJECT;
 
 fn detector() -> Vec<u8> {
     detector_fmu(&common::design(), &Record::default(), &Runtimes::detector()).unwrap()
@@ -80,18 +83,6 @@ fn broken_detector(variable: DetectorVariable, number: &str) -> Vec<u8> {
 fn broken_plant(variable: PlantVariable, number: &str) -> Vec<u8> {
     broken(&plant(), names::PLANT, variable.value_reference(), number)
 }
-
-const SUBJECT: Subject = Subject {
-    vehicle: Vehicle::PAPER,
-    actuator: Actuator::NONE,
-    zero: Zero { steering_offset_rad: 0.0, yaw_rate_bias_rad_per_s: 0.0 },
-    period_s: 0.01,
-    armed_v_x: Interval::new(5.5, 29.5),
-    lateral_acceleration_m_per_s2: 3.0,
-    steering_rate_rad_per_s: 0.3,
-    smallest_fault_deg: 0.5,
-    gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
-};
 
 #[test]
 fn simulate_ends_at_the_first() {

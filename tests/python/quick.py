@@ -39,3 +39,11 @@ def recorded(steerguard, fixtures):
     drives = ["--drives", "1", "--duration", "60", "--faults", "none", "--nominal", "--drive", "0"]
     command = [steerguard, "campaign", fixtures / "design.json", *drives]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def write_inputs(steerguard, fixtures, folder, speeds):
+    """Writes drive.csv, known.toml, quick.toml and short.toml, a scenario of 8 s at `speeds` in m/s, into `folder`."""
+    (folder / "drive.csv").write_text(recorded(steerguard, fixtures), encoding="utf-8")
+    (folder / "known.toml").write_text(KNOWN, encoding="utf-8")
+    (folder / "quick.toml").write_text(QUICK, encoding="utf-8")
+    (folder / "short.toml").write_text(f"duration_s = 8\ninitial_speeds_m_per_s = {speeds}\n", encoding="utf-8")

@@ -5,7 +5,7 @@ import subprocess
 
 import jsonschema
 import pytest
-from quick import KNOWN, QUICK, recorded
+from quick import write_inputs
 
 ROAD = ["--drives", "2", "--duration", "5"]
 
@@ -17,10 +17,7 @@ def run(steerguard, folder, *arguments):
 @pytest.fixture(scope="module")
 def folder(steerguard, fixtures, tmp_path_factory):
     folder = tmp_path_factory.mktemp("json")
-    (folder / "drive.csv").write_text(recorded(steerguard, fixtures), encoding="utf-8")
-    (folder / "known.toml").write_text(KNOWN, encoding="utf-8")
-    (folder / "quick.toml").write_text(QUICK, encoding="utf-8")
-    (folder / "short.toml").write_text("duration_s = 8\ninitial_speeds_m_per_s = [15]\n", encoding="utf-8")
+    write_inputs(steerguard, fixtures, folder, [15])
     return folder
 
 

@@ -8,7 +8,7 @@ import subprocess
 import termios
 
 import pytest
-from quick import KNOWN, QUICK, recorded
+from quick import write_inputs
 
 COLUMNS = 80
 # What a progress bar does to its line before it draws it anew.
@@ -51,10 +51,7 @@ def read(terminal):
 @pytest.fixture(scope="module")
 def folder(steerguard, fixtures, tmp_path_factory):
     folder = tmp_path_factory.mktemp("a_folder_whose_path_alone_is_nearly_as_long_as_a_line_of_a_terminal")
-    (folder / "drive.csv").write_text(recorded(steerguard, fixtures), encoding="utf-8")
-    (folder / "known.toml").write_text(KNOWN, encoding="utf-8")
-    (folder / "quick.toml").write_text(QUICK, encoding="utf-8")
-    (folder / "short.toml").write_text("duration_s = 8\ninitial_speeds_m_per_s = [5, 15]\n", encoding="utf-8")
+    write_inputs(steerguard, fixtures, folder, [5, 15])
     return folder
 
 

@@ -11,7 +11,7 @@
 use std::slice;
 
 use serde::{Deserialize, Serialize};
-use steerguard_detector::{Configuration, ConfigurationError, Evaluation};
+use steerguard_detector::{Configuration, ConfigurationError, Evaluation, LEAST};
 
 use crate::problem::model;
 use crate::spec::{Spec, ThresholdKind, UncertaintyTable};
@@ -188,8 +188,7 @@ impl Scaled<'_> {
         };
         let evaluation = &self.configuration.evaluation;
         // A threshold of nothing is none.
-        // The least that a detector takes.
-        let threshold = 1e-100_f64.max(of_level * evaluation.threshold);
+        let threshold = LEAST.max(of_level * evaluation.threshold);
         Ok(Configuration {
             deviations: model::deviations(&scaled),
             evaluation: Evaluation { threshold, ..*evaluation },
