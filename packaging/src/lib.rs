@@ -4,6 +4,7 @@ mod bounded;
 pub mod campaign;
 pub mod check;
 pub mod cli;
+pub mod digest;
 pub mod drive;
 pub mod fmu;
 pub mod identify;

@@ -12,7 +12,8 @@ use std::sync::LazyLock;
 use object::{Object as _, ObjectSection as _};
 use proptest::prelude::*;
 use steerguard::check::check;
-use steerguard::fmu::bill::{BILL, digest};
+use steerguard::digest::sha256;
+use steerguard::fmu::bill::BILL;
 use steerguard::fmu::package::{detector_fmu, plant_fmu};
 use steerguard::fmu::runtime::Runtimes;
 use steerguard::platform::Platform;
@@ -94,11 +95,11 @@ fn with_library(edit: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
         let entry =
             |entries: &Entries, name: &str| entries.iter().position(|(n, _)| n == name).unwrap();
         let (library, bill) = (entry(entries, &LIBRARY), entry(entries, BILL));
-        let before = digest(&entries[library].1);
+        let before = sha256(&entries[library].1);
         edit(&mut entries[library].1);
         let text = String::from_utf8(entries[bill].1.clone()).unwrap();
         assert!(text.contains(&before));
-        entries[bill].1 = text.replace(&before, &digest(&entries[library].1)).into_bytes();
+        entries[bill].1 = text.replace(&before, &sha256(&entries[library].1)).into_bytes();
     })
 }
 

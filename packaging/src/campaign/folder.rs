@@ -15,11 +15,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use sha2::{Digest, Sha256};
 
 use super::error::CampaignError;
 use super::table::{self, Row};
 use crate::bounded;
+use crate::digest::sha256;
 use crate::output;
 
 /// Drives of a block.
@@ -57,7 +57,7 @@ impl Folder {
         manifest: &impl Serialize,
     ) -> Result<Self, CampaignError> {
         let manifest = serde_json::to_string_pretty(manifest)? + "\n";
-        let digest = hex(&Sha256::digest(&manifest));
+        let digest = sha256(&manifest);
         let file = path.join("campaign.json");
         let blocks = path.join("blocks");
         output::create_folder(&blocks)?;
@@ -98,7 +98,7 @@ impl Folder {
         let file = BlockFile { campaign: self.digest.clone(), rows };
         let text = serde_json::to_string(&file)?;
         let bytes = text.strip_suffix('}').unwrap_or(&text);
-        let text = format!("{bytes}{DIGEST}{}\"}}\n", hex(&Sha256::digest(bytes)));
+        let text = format!("{bytes}{DIGEST}{}\"}}\n", sha256(bytes));
         Ok(output::write(&path, text.as_bytes())?)
     }
 
@@ -117,7 +117,7 @@ impl Folder {
         let Some((bytes, digest)) = parts else {
             return Err(bad("it has no digest at its end: damaged, or of another version".into()));
         };
-        if hex(&Sha256::digest(bytes)) != digest {
+        if sha256(bytes) != digest {
             return Err(bad("its digest is not that of its rows: edited, or damaged".into()));
         }
         let file: BlockFile =
@@ -193,11 +193,6 @@ fn is_possible(Row { drive, outcome }: &Row) -> bool {
     let most_s = 1.1 * drive.duration_s;
     (0.0..=most_s).contains(&outcome.monitored_s)
         && (0.0..=outcome.monitored_s).contains(&outcome.monitored_fault_free_s)
-}
-
-/// Lower-case hexadecimal digits of `bytes`.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Whether the text is that of no manifest at all.

@@ -26,8 +26,8 @@ use std::ops::Range;
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
+use crate::digest::sha256;
 use drive::Drive;
 use drive_record::DriveRecord;
 pub use error::CampaignError;
@@ -60,12 +60,11 @@ pub struct Manifest {
 impl Manifest {
     /// The manifest of a campaign on FMUs with these bytes.
     pub fn new(settings: Settings, design: String, detector: &[u8], plant: &[u8]) -> Self {
-        let digest = |bytes| folder::hex(&Sha256::digest(bytes));
         Self {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION"),
-            detector: digest(detector),
-            plant: digest(plant),
+            detector: sha256(detector),
+            plant: sha256(plant),
             design,
             settings,
         }

@@ -5,7 +5,8 @@
 //! - Digests tell damage and mix-ups. Who changes a library on purpose can change the bill as well.
 
 use super::findings::{Contents, Findings};
-use crate::fmu::bill::{BILL, digest, digests};
+use crate::digest::sha256;
+use crate::fmu::bill::{BILL, digests};
 
 /// Folder of the libraries.
 pub(super) const BINARIES: &str = "binaries/";
@@ -23,7 +24,7 @@ pub(super) fn check(contents: &Contents, findings: &mut Findings) {
     for (path, bytes) in files {
         match stated.get(path) {
             None => uncovered.push(path),
-            Some(stated) if stated.eq_ignore_ascii_case(&digest(bytes)) => {}
+            Some(stated) if stated.eq_ignore_ascii_case(&sha256(bytes)) => {}
             Some(_) => {
                 let message = format!("the file is not the one whose SHA-256 is in {BILL}");
                 let help = "it was changed after packaging: package again, or fetch the FMU again";

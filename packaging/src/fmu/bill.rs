@@ -9,7 +9,8 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
+
+use crate::digest::sha256;
 
 /// Path in an FMU.
 pub const BILL: &str = "documentation/sbom.cdx.json";
@@ -95,11 +96,6 @@ struct Dependency<'a> {
     depends_on: Vec<&'a str>,
 }
 
-/// SHA-256 in hexadecimal digits.
-pub fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 /// Digests of files by name, as the bill of some FMU, whoever made it, states them; none where it is no bill.
 pub fn digests(bill: &[u8]) -> BTreeMap<String, String> {
     #[derive(Deserialize)]
@@ -178,7 +174,7 @@ pub fn bill(
         name: path,
         version: None,
         description: None,
-        hashes: vec![Hash { alg: SHA_256, content: digest(library) }],
+        hashes: vec![Hash { alg: SHA_256, content: sha256(library) }],
         licenses: [License { expression: OURS }],
         purl: None,
     }));

@@ -1,10 +1,7 @@
 //! Recorded fault-free drives for the calibration of a threshold, sampled as `replay` samples them.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
 use steerguard_designer::Spec;
 use steerguard_designer::threshold::recorded::{RecordedDrive, RecordedSample};
 use steerguard_detector::{Input, Measurement};
@@ -12,7 +9,7 @@ use steerguard_drives::{Cause, Columns, DriveError, Reader, Resampler, Spacing};
 
 use super::run::{WANTED, columns, warnings};
 use super::torque::Torques;
-use crate::campaign::folder::hex;
+use crate::digest::sha256_of_file;
 
 /// A drive, and how it was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,25 +63,10 @@ pub fn read(
     if samples.is_empty() {
         return Err(failed(Cause::NoPiece { gap_s: spacing.gap_s }));
     }
-    let sha256 = sha256(path).map_err(|error| failed(error.into()))?;
+    let sha256 = sha256_of_file(path).map_err(|error| failed(error.into()))?;
     let mut reading = vec![reader.reading()];
     reading.extend(columns(&reader));
     let warnings = warnings(&reader, without_torque, samples.len() as f64);
     let drive = RecordedDrive { file: name.to_owned(), sha256, samples };
     Ok(Some(Recording { drive, reading, warnings }))
-}
-
-/// SHA-256 of the bytes of the file at `path`, in hexadecimal.
-fn sha256(path: &Path) -> io::Result<String> {
-    let mut digest = Sha256::new();
-    let mut file = BufReader::new(File::open(path)?);
-    loop {
-        let bytes = file.fill_buf()?;
-        if bytes.is_empty() {
-            return Ok(hex(&digest.finalize()));
-        }
-        digest.update(bytes);
-        let taken = bytes.len();
-        file.consume(taken);
-    }
 }
