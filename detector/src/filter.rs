@@ -102,9 +102,15 @@ pub(crate) struct Correction {
 }
 
 impl Correction {
-    /// What an error of the state shows in the innovation, whitened.
-    pub(crate) fn shown(&self, error: &[f64; STATES]) -> [f64; 2] {
-        self.whitened(measured(self.slopes, error))
+    /// What an error of the state shows in the innovation, beside what is shown without it, whitened.
+    pub(crate) fn shown(&self, error: &[f64; STATES], directly: [f64; 2]) -> [f64; 2] {
+        let [v_x, r] = measured(self.slopes, error);
+        self.whitened([v_x + directly[0], r + directly[1]])
+    }
+
+    /// The speed that was expected, m/s.
+    pub(crate) const fn speed(&self) -> f64 {
+        self.slopes[1]
     }
 
     fn whitened(&self, [v_x, r]: [f64; 2]) -> [f64; 2] {
@@ -153,9 +159,9 @@ pub(crate) struct Transition {
 }
 
 impl Transition {
-    /// Takes the error that a fault of 1 rad makes to the next sample.
-    pub(crate) fn advance(&self, error: &mut [f64; STATES]) {
-        let mut next = self.of_fault;
+    /// Takes an error to the next sample: of a fault of the steering that which 1 rad makes.
+    pub(crate) fn advance(&self, error: &mut [f64; STATES], of_steering: bool) {
+        let mut next = if of_steering { self.of_fault } else { [0.0; 3] };
         for (next, phi) in next.iter_mut().zip(&self.phi) {
             *next += dot(phi, error);
         }

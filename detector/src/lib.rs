@@ -48,7 +48,9 @@ pub use deviation::{CAUSES, Cause, Deviations, Gust, Place, Responses, Uncertain
 pub use evaluation::{Evaluation, MAX_WINDOW, RELEASE, Rms, StartUp};
 pub use filter::{Estimator, Filter, STATES};
 pub use observer::{Gains, Observer};
-pub use onset::{FaultEstimate, HYPOTHESES, Hypothesis, Onsets};
+pub use onset::{
+    EXPLANATIONS, FaultEstimate, FaultHypothesis, HYPOTHESES, Hypothesis, Onsets, Signature,
+};
 pub use range::{Interval, OperatingRange};
 pub use reference::{MOTIONS, ReferenceMotion, critical_speed};
 pub use sensors::{Jump, Signal, Staleness, Zero};

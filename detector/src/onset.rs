@@ -10,6 +10,10 @@
 //!   o a share of what bank and gust at their bounds look like, which no time makes less.
 //! - An estimate errs by less than a factor times `c^-1/2 + o` where that statistic stays below the factor
 //!   without a fault: what disturbs it is the same with a fault and without.
+//! - What speaks for the steering may be a step of a sensor, which shifts the innovations by `s = d + H eps`,
+//!   `eps+ = Phi (eps - K s)`. What explains more has the larger `a^2 / c`, twice the logarithm of its likelihood
+//!   over that of no fault, and is named where the others explain clearly less. Threshold and estimate are those of
+//!   the steering alone.
 //! - A fault that is found is taken into the filter once it is [`SETTLED_S`] old: the filter goes on as if it
 //!   had always known, and further steps are found on top.
 
@@ -17,13 +21,18 @@ use crate::algebra::{all_finite, magnitude};
 use crate::filter::{Correction, STATES, Transition};
 use crate::{Estimator, Filter, Gust, RELEASE, TsModel, Uncertainty};
 
-/// Onsets that are looked at, at most: those up to [`OLDEST_S`], two thirds of [`SPACING_S`] apart or more.
-pub const HYPOTHESES: usize = 16;
+/// Onsets that are looked at, at most: those up to [`OLDEST_S`], two thirds of [`SPACING_S`] apart or more; and, to
+/// tell a fault of the steering from one of a sensor, those of the last [`YOUNG`] samples and what explains most.
+pub const HYPOTHESES: usize = 16 + YOUNG as usize + EXPLANATIONS;
+/// What a fault can be one of: the steering, the yaw-rate sensor, the speed sensor.
+pub const EXPLANATIONS: usize = 3;
 
 /// Onsets are looked at this far apart, s, or as many samples as come nearest to that.
 const SPACING_S: f64 = 0.05;
 /// Age up to which an onset is looked at, s: what lasts longer road and vehicle may explain.
 const OLDEST_S: f64 = 0.5;
+/// Samples at each of which an onset is looked at.
+const YOUNG: u64 = 20;
 /// Time that a fault that was taken in speaks for an alarm, s.
 const KNOWN_FOR_S: f64 = 10.0;
 /// Share of what bank and gust at their bounds look like that the statistic allows for.
@@ -34,22 +43,70 @@ const KNOWN_S: f64 = 0.5;
 const SETTLED_S: f64 = 0.3;
 /// A statistic of this many thresholds is taken in at once: what a large fault does is not linear for long.
 const CLEAR: f64 = 3.0;
+/// ... or as soon as it is known what it is, and after so many samples at the latest.
+const CLEAR_SAMPLES: u64 = 4;
 /// No road wheel is off by more, rad: a filter that finds more is lost.
 const LARGEST_FAULT_RAD: f64 = 1.6;
+/// What is named explains more than any other by this, as `a^2 / c`, ...
+const CLEARER: f64 = 12.0;
+/// ... and by this share of what it explains: no model is exact.
+const CLEARER_BY: f64 = 0.02;
 /// A fault is over where less than this share of the largest is left.
 const GONE: f64 = 0.15;
+
+/// What a fault is, as far as that can be told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FaultHypothesis {
+    /// More than one explanation is left.
+    #[default]
+    Undecided,
+    /// The road wheel is off.
+    Steering,
+    /// The yaw-rate sensor has stepped.
+    YawRateSensor,
+    /// The speed sensor's scale has.
+    SpeedSensor,
+}
+
+/// What a fault of one unit does to the filter, and what speaks for it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Signature {
+    /// Error of the filter's state that it makes.
+    pub error: [f64; STATES],
+    /// a.
+    pub correlation: f64,
+    /// c, per square of the fault's unit.
+    pub information: f64,
+}
+
+impl Signature {
+    const NONE: Self = Self { error: [0.0; STATES], correlation: 0.0, information: 0.0 };
+
+    /// `a^2 / c`.
+    fn explained(&self) -> f64 {
+        if self.information > 0.0 {
+            self.correlation * self.correlation / self.information
+        } else {
+            0.0
+        }
+    }
+}
 
 /// An onset, and what speaks for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hypothesis {
-    /// The sample since the start from which on the wheel is off; none for no hypothesis.
+    /// The sample since the start from which on there is a fault; none for no hypothesis.
     pub onset: Option<u64>,
-    /// Error of the filter's state that 1 rad makes.
-    pub error: [f64; STATES],
-    /// a.
-    pub correlation: f64,
-    /// c, per rad^2.
-    pub information: f64,
+    /// Of 1 rad at the road wheel, of 1 rad/s more yaw rate shown, and of the speed shown twice as large.
+    pub signatures: [Signature; EXPLANATIONS],
+}
+
+impl Hypothesis {
+    const NONE: Self = Self { onset: None, signatures: [Signature::NONE; EXPLANATIONS] };
+
+    const fn steering(&self) -> &Signature {
+        &self.signatures[0]
+    }
 }
 
 /// What is known of the fault.
@@ -61,6 +118,8 @@ pub struct FaultEstimate {
     pub bound_rad: f64,
     /// Index of the sample from which on it acts.
     pub onset: u64,
+    /// What it is. What a sensor's step is taken for, fault and bound are then.
+    pub hypothesis: FaultHypothesis,
 }
 
 /// The onsets before the sample to come, and the fault that the filter knows.
@@ -80,6 +139,10 @@ pub struct Onsets {
     pub held_onset: u64,
     /// The sample at which it was last taken in.
     pub held_since: u64,
+    /// Samples in a row at which the statistic was clear.
+    pub clear: u64,
+    /// What the fault is that speaks, or that the filter knows.
+    pub hypothesis: FaultHypothesis,
     /// Largest statistic at the last sample.
     pub statistic: f64,
     /// What the statistic allowed for at the last sample beside the standard deviation, rad.
@@ -90,17 +153,14 @@ impl Onsets {
     /// Before the first sample after a start.
     pub const NONE: Self = Self {
         samples: 0,
-        hypotheses: [Hypothesis {
-            onset: None,
-            error: [0.0; STATES],
-            correlation: 0.0,
-            information: 0.0,
-        }; HYPOTHESES],
+        hypotheses: [Hypothesis::NONE; HYPOTHESES],
         held_rad: 0.0,
         held_variance: 0.0,
         largest_rad: 0.0,
         held_onset: 0,
         held_since: 0,
+        clear: 0,
+        hypothesis: FaultHypothesis::Undecided,
         statistic: 0.0,
         looks_rad: 0.0,
     };
@@ -110,9 +170,11 @@ impl Onsets {
         let past = |sample: u64| sample <= self.samples;
         self.hypotheses.iter().all(|x| {
             x.onset.is_none_or(past)
-                && all_finite(&x.error)
-                && all_finite(&[x.correlation, x.information])
-                && x.information >= 0.0
+                && x.signatures.iter().all(|x| {
+                    all_finite(&x.error)
+                        && all_finite(&[x.correlation, x.information])
+                        && x.information >= 0.0
+                })
         }) && all_finite(&[self.held_rad, self.held_variance, self.largest_rad])
             && all_finite(&[self.statistic, self.looks_rad])
             && self.held_variance >= 0.0
@@ -125,19 +187,33 @@ impl Onsets {
         self.largest_rad > 0.0
     }
 
-    /// The hypothesis with the largest statistic, if one says anything yet, and that.
-    fn likeliest(&self) -> Option<(&Hypothesis, f64)> {
-        let mut likeliest = None;
-        let mut largest = 0.0;
+    /// The most that each explanation explains, and since which onset.
+    fn most_explained(&self) -> [(f64, u64); EXPLANATIONS] {
+        let mut most = [(0.0, 0); EXPLANATIONS];
         for hypothesis in &self.hypotheses {
-            let Hypothesis { onset, correlation: a, information: c, .. } = *hypothesis;
-            let per_statistic = libm::sqrt(c) + self.looks_rad * c;
-            if onset.is_some() && magnitude(a) > largest * per_statistic {
-                largest = magnitude(a) / per_statistic;
-                likeliest = Some((hypothesis, largest));
+            let Some(onset) = hypothesis.onset else { continue };
+            for (most, signature) in most.iter_mut().zip(&hypothesis.signatures) {
+                let explained = signature.explained();
+                if explained > most.0 {
+                    *most = (explained, onset);
+                }
             }
         }
-        likeliest
+        most
+    }
+
+    /// What explains the innovations since some onset clearly better than the others do since any.
+    fn explanation(&self) -> FaultHypothesis {
+        let [steering, yaw_rate, speed] = self.most_explained().map(|(explained, _)| explained);
+        let named = [
+            (FaultHypothesis::Steering, steering, yaw_rate.max(speed)),
+            (FaultHypothesis::YawRateSensor, yaw_rate, speed.max(steering)),
+            (FaultHypothesis::SpeedSensor, speed, steering.max(yaw_rate)),
+        ];
+        let clear = |(_, most, other): &&(FaultHypothesis, f64, f64)| {
+            most - other >= CLEARER.max(CLEARER_BY * most)
+        };
+        named.iter().find(clear).map_or(FaultHypothesis::Undecided, |(name, ..)| *name)
     }
 }
 
@@ -188,6 +264,22 @@ impl OnsetTest {
         }
     }
 
+    /// The hypothesis with the largest statistic, if one says anything yet, and that.
+    fn likeliest<'a>(&self, onsets: &'a Onsets) -> Option<(&'a Hypothesis, f64)> {
+        let mut likeliest = None;
+        let mut largest = 0.0;
+        for hypothesis in &onsets.hypotheses {
+            let Signature { correlation: a, information: c, .. } = *hypothesis.steering();
+            let per_statistic = libm::sqrt(c) + onsets.looks_rad * c;
+            let counts = hypothesis.onset.is_some_and(|onset| onset.is_multiple_of(self.spacing));
+            if counts && magnitude(a) > largest * per_statistic {
+                largest = magnitude(a) / per_statistic;
+                likeliest = Some((hypothesis, largest));
+            }
+        }
+        likeliest
+    }
+
     /// The largest statistic over the threshold.
     pub(crate) fn ratio(&self, onsets: &Onsets) -> f64 {
         onsets.statistic / self.threshold
@@ -218,11 +310,11 @@ impl OnsetTest {
         factor: f64,
         sample: u64,
     ) -> Option<FaultEstimate> {
-        let found = if self.exceeds(onsets, factor) { onsets.likeliest() } else { None };
+        let found = if self.exceeds(onsets, factor) { self.likeliest(onsets) } else { None };
         let (fault_rad, variance, onset) = match found {
             Some((x, _)) => (
-                onsets.held_rad + x.correlation / x.information,
-                onsets.held_variance + 1.0 / x.information,
+                onsets.held_rad + x.steering().correlation / x.steering().information,
+                onsets.held_variance + 1.0 / x.steering().information,
                 if onsets.holds() { onsets.held_onset } else { x.onset.unwrap_or_default() },
             ),
             None if onsets.holds() => (onsets.held_rad, onsets.held_variance, onsets.held_onset),
@@ -232,6 +324,7 @@ impl OnsetTest {
             fault_rad,
             bound_rad: self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad),
             onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
+            hypothesis: onsets.hypothesis,
         })
     }
 
@@ -245,26 +338,40 @@ impl OnsetTest {
         factor: f64,
     ) -> bool {
         let [of_v_x, of_r] = correction.innovation;
+        let directly = [[0.0, 0.0], [0.0, 1.0], [correction.speed(), 0.0]];
         for hypothesis in onsets.hypotheses.iter_mut().filter(|x| x.onset.is_some()) {
-            let [v_x, r] = correction.shown(&hypothesis.error);
-            hypothesis.correlation += v_x * of_v_x + r * of_r;
-            hypothesis.information += v_x * v_x + r * r;
-            correction.correct(&mut hypothesis.error, [-v_x, -r]);
+            for (signature, shown) in hypothesis.signatures.iter_mut().zip(directly) {
+                let [v_x, r] = correction.shown(&signature.error, shown);
+                signature.correlation += v_x * of_v_x + r * of_r;
+                signature.information += v_x * v_x + r * r;
+                correction.correct(&mut signature.error, [-v_x, -r]);
+            }
         }
         onsets.looks_rad =
             LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
-        let likeliest = onsets.likeliest().map(|(found, statistic)| (*found, statistic));
+        let likeliest = self.likeliest(onsets).map(|(found, statistic)| (*found, statistic));
         onsets.statistic = likeliest.map_or(0.0, |(_, statistic)| statistic);
         let Some((found, _)) = likeliest.filter(|_| self.exceeds(onsets, factor)) else {
+            onsets.clear = 0;
+            if !onsets.holds() {
+                onsets.hypothesis = FaultHypothesis::Undecided;
+            }
             return false;
         };
-        let Hypothesis { onset, correlation, information, .. } = found;
+        if !onsets.holds() && onsets.hypothesis == FaultHypothesis::Undecided {
+            onsets.hypothesis = onsets.explanation();
+        }
+        let onset = found.onset;
+        let Signature { correlation, information, .. } = *found.steering();
         if magnitude(onsets.held_rad + correlation / information) > LARGEST_FAULT_RAD {
             return true;
         }
         let age = onsets.samples.saturating_sub(onset.unwrap_or_default());
-        (age >= self.settled || self.exceeds(onsets, CLEAR * factor))
-            && self.take_in(onsets, filter, &found, factor)
+        let is_clear = self.exceeds(onsets, CLEAR * factor);
+        onsets.clear = if is_clear { onsets.clear + 1 } else { 0 };
+        let is_named = onsets.hypothesis != FaultHypothesis::Undecided;
+        let is_known = is_clear && (is_named || onsets.clear >= CLEAR_SAMPLES);
+        (age >= self.settled || is_known) && self.take_in(onsets, filter, &found, factor)
     }
 
     /// Lets the filter know a fault. Returns whether this ends one that it knew.
@@ -275,7 +382,8 @@ impl OnsetTest {
         found: &Hypothesis,
         factor: f64,
     ) -> bool {
-        let Hypothesis { onset, error, correlation, information } = found;
+        let onset = found.onset;
+        let Signature { error, correlation, information } = found.steering();
         let step = correlation / information;
         for (x, error) in filter.x.iter_mut().zip(error) {
             *x += step * error;
@@ -290,6 +398,7 @@ impl OnsetTest {
             onsets.held_onset = onset.unwrap_or_default();
         }
         onsets.held_since = onsets.samples;
+        onsets.clear = 0;
         onsets.held_rad += step;
         onsets.held_variance += 1.0 / information;
         let held = magnitude(onsets.held_rad);
@@ -304,20 +413,24 @@ impl OnsetTest {
     pub(crate) fn advance(&self, onsets: &mut Onsets, transition: &Transition) {
         onsets.samples += 1;
         let samples = onsets.samples;
+        let most_explained = onsets.most_explained();
         for hypothesis in &mut onsets.hypotheses {
-            if let Some(onset) = hypothesis.onset {
-                if samples.saturating_sub(onset) <= self.oldest {
-                    transition.advance(&mut hypothesis.error);
-                } else {
-                    hypothesis.onset = None;
-                }
+            let Some(onset) = hypothesis.onset else { continue };
+            let kept = onset.is_multiple_of(self.spacing)
+                || most_explained.iter().any(|(_, most)| *most == onset);
+            let oldest = if kept { self.oldest } else { YOUNG };
+            if samples.saturating_sub(onset) > oldest {
+                hypothesis.onset = None;
+                continue;
+            }
+            for (k, signature) in hypothesis.signatures.iter_mut().enumerate() {
+                transition.advance(&mut signature.error, k == 0);
             }
         }
         if samples >= self.first
-            && samples.is_multiple_of(self.spacing)
             && let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none())
         {
-            *free = Hypothesis { onset: Some(samples), ..Hypothesis::default() };
+            *free = Hypothesis { onset: Some(samples), ..Hypothesis::NONE };
         }
     }
 }

@@ -7,8 +7,8 @@ mod common;
 use common::{configuration, u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
-    AlarmCause, Configuration, Detector, Estimator, Evaluation, Gust, Input, Measurement, Output,
-    Uncertainty, Vehicle, VehicleState,
+    AlarmCause, Configuration, Detector, Estimator, Evaluation, FaultHypothesis, Gust, Input,
+    Measurement, Output, Uncertainty, Vehicle, VehicleState,
 };
 
 const NOISE: [f64; 2] = [0.02, 0.002];
@@ -122,6 +122,33 @@ fn a_bias_is_found_at_once_with_its_size_and_its_onset() {
         let error = (late.fault_rad.to_degrees() - deg).abs();
         assert!(error <= late.bound_rad.to_degrees() && error < 0.25, "{deg} deg: {late:?}");
         assert!((490..=512).contains(&late.onset), "{late:?}");
+    }
+}
+
+#[test]
+fn what_has_stepped_is_named() {
+    for (seed, fault_rad, r_rad_per_s, hypothesis) in [
+        (1, 0.02, 0.0, FaultHypothesis::Steering),
+        (2, -0.1, 0.0, FaultHypothesis::Steering),
+        (3, 0.0, 0.1, FaultHypothesis::YawRateSensor),
+        (4, 0.0, -0.06, FaultHypothesis::YawRateSensor),
+    ] {
+        let mut detector = Detector::new(&told(Some(ESTIMATOR))).unwrap();
+        let mut drive = Drive::new(seed);
+        let mut named = None;
+        for k in 0..530 {
+            let acts = if k < 500 { 0.0 } else { 1.0 };
+            let (mut y, u) = drive.sample(acts * fault_rad);
+            y.r_rad_per_s += acts * r_rad_per_s;
+            let output = *detector.sample(y, u);
+            assert!(k >= 500 || output.estimate.is_none(), "seed {seed}, sample {k}");
+            named =
+                named.or(output.estimate.map(|x| x.hypothesis)).map(|x| match output.estimate {
+                    Some(now) if x == FaultHypothesis::Undecided => now.hypothesis,
+                    _ => x,
+                });
+        }
+        assert_eq!(named, Some(hypothesis), "seed {seed}");
     }
 }
 

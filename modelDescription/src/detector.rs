@@ -56,6 +56,17 @@ enumeration! {
 }
 
 enumeration! {
+    /// Items of `fault_hypothesis`.
+    pub enum DetectorFaultHypothesis: "DetectorFaultHypothesis", "What the fault is, as far as that can be told" {
+        NotKnown, "No alarm stands, or the second test has found nothing";
+        Steering, "The road wheels are not where they were told to be";
+        YawRateSensor, "The sensor of r has stepped, and the steering is likely sound";
+        SpeedSensor, "The sensor of v_x has stepped, and the steering is likely sound";
+        Undecided, "More than one of these is left";
+    }
+}
+
+enumeration! {
     /// Items of the parameter `initialisation`.
     pub enum Initialisation: "Initialisation", "How the observer starts at the first sample" {
         FirstMeasurement, "From the first measurement, lateral speed assumed zero";
@@ -118,11 +129,16 @@ variables! {
             Kind::real(&unit::ONE).min(0.0).nominal(1.0);
         AlarmCause, "alarm_cause", "Which test raised the alarm that stands", Role::LOCAL,
             Kind::Enumeration(&DetectorAlarmCause::TYPE);
+        FaultHypothesis, "fault_hypothesis",
+            "What the fault that the second test has found is, as far as that can be told", Role::LOCAL,
+            Kind::Enumeration(&DetectorFaultHypothesis::TYPE);
         StateCause, "state_cause", "Which variable or limit holds the state", Role::LOCAL,
             Kind::Enumeration(&DetectorStateCause::TYPE);
         // For importers that read no enumerations.
         AlarmCauseIndex, "alarm_cause_index", "The value of alarm_cause as an Integer", Role::LOCAL,
             Kind::index_of(&DetectorAlarmCause::TYPE);
+        FaultHypothesisIndex, "fault_hypothesis_index", "The value of fault_hypothesis as an Integer",
+            Role::LOCAL, Kind::index_of(&DetectorFaultHypothesis::TYPE);
         StateCauseIndex, "state_cause_index", "The value of state_cause as an Integer", Role::LOCAL,
             Kind::index_of(&DetectorStateCause::TYPE);
         StateIndex, "state_index", "The value of state as an Integer", Role::LOCAL,

@@ -38,7 +38,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from second_test import SecondTest
+from second_test import NOT_KNOWN, SecondTest
 
 STARTING, MONITORING, OUT_OF_RANGE, INVALID_INPUT, DISABLED, STALE_INPUT = range(1, 7)
 # Items of state_cause; an invalid or outlying signal has its own, in the order of the inputs.
@@ -71,7 +71,7 @@ class Outputs:
     state: np.ndarray
     state_cause: np.ndarray
     second_ratio: np.ndarray
-    estimate: np.ndarray  # n x 3: fault, bound, onset's sample; NaN where there is none
+    estimate: np.ndarray  # n x 4: fault, bound, onset's sample, what it is; NaN where there is none
 
     def first_alarm_sample(self):
         """Index of the sample that raised the first alarm, or None."""
@@ -99,6 +99,7 @@ class Outputs:
             "second_ratio": self.second_ratio,
             "fault_estimate": np.nan_to_num(self.estimate[:, 0]),
             "fault_estimate_bound": np.nan_to_num(self.estimate[:, 1]),
+            "fault_hypothesis": np.nan_to_num(self.estimate[:, 3], nan=NOT_KNOWN),
             "fault_onset_time": np.where(
                 np.isnan(self.estimate[:, 2]),
                 NO_ALARM_TIME,
@@ -784,7 +785,7 @@ class Reference:
         """alarm_cause at each sample: debounced, held and released; what the second test says beside."""
         causes, count, clear, cause = np.full(len(unseen), NO_ALARM), 0, 0, NO_ALARM
         ratios, ratio = np.zeros(len(unseen)), 0.0
-        estimates, estimate = np.full((len(unseen), 3), np.nan), None
+        estimates, estimate = np.full((len(unseen), 4), np.nan), None
         y, u, behind, episode = told
         for k in range(len(unseen)):
             if not unseen[k]:
@@ -817,8 +818,8 @@ class Reference:
                 if cause == NO_ALARM:
                     estimate = None
                 elif latest:
-                    fault, bound, age = latest
-                    estimate = fault, bound, max(k - age, 0)
+                    fault, bound, age, what = latest
+                    estimate = fault, bound, max(k - age, 0), what
             causes[k], ratios[k] = cause, ratio
             if estimate:
                 estimates[k] = estimate

@@ -6,7 +6,8 @@ steps, gains and covariances are the textbook's.
 Conventions
 - State [v_x, v_y, r, bank, gust, mass, yaw inertia, front, rear, ratio, offset, yaw-rate bias, speed scale].
 - `samples` counts from the filter's start, at which neither innovation nor onset is looked at.
-- A hypothesis [onset, error, a, c]: a fault of 1 rad from `onset` on makes `error`; a / c explains most.
+- A hypothesis [onset, errors, a, c]: a fault of one unit from `onset` on makes an error of the state; a / c explains
+  most. Three each: 1 rad at the road wheel, 1 rad/s more yaw rate shown, the speed shown twice as large.
 """
 
 import numpy as np
@@ -26,6 +27,10 @@ KNOWN_FOR_S = 10.0
 LOOKS = 0.2  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.3
 CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
+CLEAR_SAMPLES = 4
+YOUNG = 20  # samples at each of which an onset is looked at
+CLEARER, CLEARER_BY = 12.0, 0.02
+NOT_KNOWN, STEERING, YAW_RATE_SENSOR, SPEED_SENSOR, UNDECIDED = 1, 2, 3, 4, 5  # items of fault_hypothesis
 LARGEST_FAULT = 1.6
 
 
@@ -57,7 +62,8 @@ class SecondTest:
         self.samples, self.statistic, self.looks = 0, 0.0, 0.0
         self.hypotheses = []
         self.held = self.variance = self.largest = 0.0
-        self.held_onset = self.held_since = 0
+        self.held_onset = self.held_since = self.clear = 0
+        self.hypothesis = UNDECIDED
 
     def gust_force(self, v_x):
         wind = self.uncertainty.gust_speed
@@ -134,14 +140,16 @@ class SecondTest:
         if not (size < LOST**2 and abs(self.x[V_Y]) < LOST_V_Y and abs(self.x[R]) < LOST_R):
             return False
         K = np.linalg.solve(S, H @ self.P).T
+        directly = np.array([[0, 0], [0, 1], [self.x[V_X], 0]])
         self.x = self.x + K @ innovation
         self.P = self.P - K @ S @ K.T
         self.P = (self.P + self.P.T) / 2
         for hypothesis in self.hypotheses:
-            s = H @ hypothesis[1]
-            hypothesis[2] += s @ np.linalg.solve(S, innovation)
-            hypothesis[3] += s @ np.linalg.solve(S, s)
-            hypothesis[1] = hypothesis[1] - K @ s
+            for k in range(3):
+                s = H @ hypothesis[1][k] + directly[k]
+                hypothesis[2][k] += s @ np.linalg.solve(S, innovation)
+                hypothesis[3][k] += s @ np.linalg.solve(S, s)
+                hypothesis[1][k] -= K @ s
         q = self.uncertainty
         by_bank = self.looks_like(self.vehicle["mass_kg"] * q.bank, 0.0)
         self.looks = LOOKS * (by_bank + self.looks_like(self.gust_force(self.x[V_X]), q.gust_ahead))
@@ -149,22 +157,30 @@ class SecondTest:
         self.statistic = 0.0 if found is None else self.statistic_of(found)
         limit = factor * self.threshold
         if self.statistic < limit:
+            self.clear = 0
+            if self.largest == 0:
+                self.hypothesis = UNDECIDED
             return True
-        if abs(self.held + found[2] / found[3]) > LARGEST_FAULT:
+        if self.largest == 0 and self.hypothesis == UNDECIDED:
+            self.hypothesis = self.explanation()
+        if abs(self.held + found[2][0] / found[3][0]) > LARGEST_FAULT:
             return False
-        if self.samples - found[0] < self.settled and self.statistic < CLEAR * limit:
+        self.clear = self.clear + 1 if self.statistic >= CLEAR * limit else 0
+        named = self.hypothesis != UNDECIDED
+        known = self.clear >= (1 if named else CLEAR_SAMPLES)
+        if self.samples - found[0] < self.settled and not known:
             return True
         return not self._take_in(found, limit)
 
     def _take_in(self, found, limit):
         """Whether this step ends a fault that was known."""
-        onset, error, a, c = found
+        onset, error, a, c = found[0], found[1][0], found[2][0], found[3][0]
         self.x = self.x + a / c * error
         self.P = self.P + np.outer(error, error) / c
         further = self.largest > 0
         if not further:
             self.held_onset = onset
-        self.held_since = self.samples
+        self.held_since, self.clear = self.samples, 0
         self.held += a / c
         self.variance += 1 / c
         self.largest = max(self.largest, abs(self.held))
@@ -211,12 +227,32 @@ class SecondTest:
         self.P += self._noise(x, forces, loads, behind)
 
         self.samples += 1
-        self.hypotheses = [h for h in self.hypotheses if self.samples - h[0] <= self.oldest]
+        explained = [self.explained(k) for k in range(3)]
+        most = {self.hypotheses[int(np.argmax(x))][0] for x in explained if len(x) and max(x) > 0}
+        self.hypotheses = [
+            h for h in self.hypotheses
+            if self.samples - h[0] <= (self.oldest if self.on_grid(h) or h[0] in most else YOUNG)
+        ]  # fmt: skip
         for hypothesis in self.hypotheses:
-            hypothesis[1] = Phi @ hypothesis[1]
-            hypothesis[1][:3] += over @ by_fault
-        if self.samples >= self.first and self.samples % self.spacing == 0:
-            self.hypotheses.append([self.samples, np.zeros(STATES), 0.0, 0.0])
+            hypothesis[1] = hypothesis[1] @ Phi.T
+            hypothesis[1][0, :3] += over @ by_fault
+        if self.samples >= self.first:
+            self.hypotheses.append([self.samples, np.zeros((3, STATES)), np.zeros(3), np.zeros(3)])
+
+    def on_grid(self, hypothesis):
+        return hypothesis[0] % self.spacing == 0
+
+    def explained(self, k):
+        """a^2 / c of an explanation, by onset."""
+        return [h[2][k] ** 2 / h[3][k] if h[3][k] > 0 else 0.0 for h in self.hypotheses]
+
+    def explanation(self):
+        """What explains clearly more since some onset than the others do since any."""
+        most = np.array([max(self.explained(k), default=0.0) for k in range(3)])
+        second, first = np.sort(most)[1:]
+        if first - second < max(CLEARER, CLEARER_BY * first):
+            return UNDECIDED
+        return [STEERING, YAW_RATE_SENSOR, SPEED_SENSOR][int(np.argmax(most))]
 
     def _noise(self, x, forces, loads, behind):
         v, q, t = self.vehicle, self.uncertainty, self.period
@@ -241,11 +277,11 @@ class SecondTest:
         return Q
 
     def likeliest(self):
-        found = [h for h in self.hypotheses if h[3] > 0]
+        found = [h for h in self.hypotheses if self.on_grid(h) and h[3][0] > 0]
         return max(found, key=self.statistic_of, default=None)
 
     def statistic_of(self, hypothesis):
-        _, _, a, c = hypothesis
+        a, c = hypothesis[2][0], hypothesis[3][0]
         return abs(a / c) / (1 / np.sqrt(c) + self.looks)
 
     def speaks(self, factor):
@@ -256,12 +292,13 @@ class SecondTest:
         return not self.speaks(RELEASE * factor)
 
     def estimate(self, factor):
-        """Fault, its bound and the samples since its onset, or None."""
+        """Fault, its bound, the samples since its onset and what it is, or None."""
         fault, variance, onset = self.held, self.variance, self.held_onset
         known = self.largest > 0
         if self.statistic >= factor * self.threshold and (found := self.likeliest()) is not None:
-            fault, variance = fault + found[2] / found[3], variance + 1 / found[3]
+            fault, variance = fault + found[2][0] / found[3][0], variance + 1 / found[3][0]
             onset = onset if known else found[0]
         elif not known:
             return None
-        return fault, self.estimate_factor * (np.sqrt(variance) + self.looks), self.samples - onset
+        bound = self.estimate_factor * (np.sqrt(variance) + self.looks)
+        return fault, bound, self.samples - onset, self.hypothesis

@@ -10,7 +10,7 @@ INPUTS = ["v_x", "r", "u.T_eng", "u.delta"]
 OUTPUTS = [
     "residual.v_x", "residual.r", "v_y_hat", "J_rms", "J_th", "J_ratio",
     "detectability", "excited", "alarm", "alarm_latched", "first_alarm_time",
-    "alarm_cause", "state", "state_cause",
+    "alarm_cause", "fault_hypothesis", "state", "state_cause",
     "second_ratio", "fault_estimate", "fault_estimate_bound", "fault_onset_time",
 ]  # fmt: skip
 RELATIVE_TOLERANCE = 1e-12
@@ -65,7 +65,8 @@ def assert_agree(found, expected, inputs, weights):
     order of operations here than there. 16 roundings of v_x are allowed for (6e-14 m/s at 15 m/s),
     times the weights for J, over J_th for J_ratio.
     """
-    for name in ["excited", "alarm", "alarm_latched", "alarm_cause", "state", "state_cause"]:
+    exact = ["excited", "alarm", "alarm_latched", "alarm_cause", "fault_hypothesis", "state", "state_cause"]
+    for name in exact:
         different = np.flatnonzero(np.asarray(found[name]) != expected[name])
         assert different.size == 0, f"{name} differs first at row {different[0]}"
     with np.errstate(invalid="ignore"):

@@ -16,7 +16,7 @@ from signals import INPUTS, OUTPUTS
 # Without `excited`, which is detectability >= 1 and no result of the detector's own, the causes, which
 # follow from what is recorded, and the second test, which this design has not.
 NOT_RECORDED = ["excited", "alarm_cause", "state_cause", "second_ratio"]
-NOT_RECORDED += ["fault_estimate", "fault_estimate_bound", "fault_onset_time"]
+NOT_RECORDED += ["fault_estimate", "fault_estimate_bound", "fault_onset_time", "fault_hypothesis"]
 RESULTS = [name for name in OUTPUTS if name not in NOT_RECORDED]
 STEPS = {"one": (1, 1), "two": (2, 1), "eight": (8, 1), "third": (1, 3), "sixtieth": (5, 3)}
 

@@ -317,7 +317,7 @@ fn run(
 }
 
 /// Draws surroundings and wind of drive number `index`.
-fn drawn(spec: &Spec, index: usize) -> (Surroundings, Wind) {
+pub(super) fn drawn(spec: &Spec, index: usize) -> (Surroundings, Wind) {
     let stream = Stream::new(index as u64, SURROUNDINGS_STREAM);
     let mut numbers = 0..;
     let mut between = |interval| stream.uniform(numbers.next().unwrap_or_default(), interval);

@@ -11,6 +11,8 @@ pub mod guaranteed;
 pub mod recorded;
 pub mod searched;
 pub mod second;
+#[cfg(test)]
+mod told_apart;
 
 use serde::Serialize;
 use steerguard_detector::{

@@ -13,4 +13,4 @@ mod state;
 
 pub use design::{BakedDesign, DesignError};
 pub use model::DetectorModel;
-pub use state::{alarm_cause, state, state_cause};
+pub use state::{alarm_cause, fault_hypothesis, state, state_cause};

@@ -3,9 +3,9 @@
 use core::ffi::CStr;
 
 use steerguard_detector::{
-    ActuatorState, AlarmCause, ConfigurationError, Detector, FaultEstimate, Filter, Hypothesis,
-    Initialisation, Input, Jump, Measurement, Monitor, Onsets, Output, ReferenceMotion, Responses,
-    Rms, Signal, State, StateCause, StateVector, Zero,
+    ActuatorState, AlarmCause, ConfigurationError, Detector, FaultEstimate, FaultHypothesis,
+    Filter, Hypothesis, Initialisation, Input, Jump, Measurement, Monitor, Onsets, Output,
+    ReferenceMotion, Responses, Rms, Signal, Signature, State, StateCause, StateVector, Zero,
 };
 use steerguard_fmu_core::{Archive, Log, Model, Status, Text};
 use steerguard_model_description::detector::{
@@ -13,7 +13,7 @@ use steerguard_model_description::detector::{
 };
 use steerguard_model_description::{ModelInfo, Value};
 
-use crate::{BakedDesign, alarm_cause, state, state_cause};
+use crate::{BakedDesign, alarm_cause, fault_hypothesis, state, state_cause};
 
 /// Value of `initialisation` for a start from the first measurement.
 const FIRST_MEASUREMENT: i32 = Item::FirstMeasurement.value();
@@ -243,6 +243,9 @@ impl Model for DetectorModel {
             V::AlarmCause | V::AlarmCauseIndex => {
                 return Value::Integer(alarm_cause(output.alarm_cause).value());
             }
+            V::FaultHypothesis | V::FaultHypothesisIndex => {
+                return Value::Integer(fault_hypothesis(output.estimate.as_ref()).value());
+            }
             V::StateCause | V::StateCauseIndex => {
                 return Value::Integer(state_cause(output.state_cause).value());
             }
@@ -377,6 +380,8 @@ impl Model for DetectorModel {
             | V::StateIndex
             | V::AlarmCause
             | V::AlarmCauseIndex
+            | V::FaultHypothesis
+            | V::FaultHypothesisIndex
             | V::StateCause
             | V::StateCauseIndex
             | V::InitialisationIndex
@@ -603,11 +608,27 @@ fn archive_state(
         ],
     );
     archive.optional(first_alarm, |archive, sample| archive.u64(sample));
-    archive.optional(estimate, |archive, FaultEstimate { fault_rad, bound_rad, onset }| {
-        archive.real(fault_rad);
-        archive.real(bound_rad);
-        archive.u64(onset);
-    });
+    archive.optional(
+        estimate,
+        |archive, FaultEstimate { fault_rad, bound_rad, onset, hypothesis }| {
+            archive.real(fault_rad);
+            archive.real(bound_rad);
+            archive.u64(onset);
+            archive_fault_hypothesis(hypothesis, archive);
+        },
+    );
+}
+
+fn archive_fault_hypothesis(hypothesis: &mut FaultHypothesis, archive: &mut Archive<'_>) {
+    archive.choice(
+        hypothesis,
+        &[
+            FaultHypothesis::Undecided,
+            FaultHypothesis::Steering,
+            FaultHypothesis::YawRateSensor,
+            FaultHypothesis::SpeedSensor,
+        ],
+    );
 }
 
 fn archive_onsets(onsets: &mut Onsets, archive: &mut Archive<'_>) {
@@ -619,19 +640,24 @@ fn archive_onsets(onsets: &mut Onsets, archive: &mut Archive<'_>) {
         largest_rad,
         held_onset,
         held_since,
+        clear,
+        hypothesis,
         statistic,
         looks_rad,
     } = onsets;
-    for count in [samples, held_onset, held_since] {
+    for count in [samples, held_onset, held_since, clear] {
         archive.u64(count);
     }
+    archive_fault_hypothesis(hypothesis, archive);
     for number in [held_rad, held_variance, largest_rad, statistic, looks_rad] {
         archive.real(number);
     }
-    for Hypothesis { onset, error, correlation, information } in hypotheses {
+    for Hypothesis { onset, signatures } in hypotheses {
         archive.optional(onset, |archive, sample| archive.u64(sample));
-        for number in error.iter_mut().chain([correlation, information]) {
-            archive.real(number);
+        for Signature { error, correlation, information } in signatures {
+            for number in error.iter_mut().chain([correlation, information]) {
+                archive.real(number);
+            }
         }
     }
 }

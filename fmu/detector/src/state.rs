@@ -1,8 +1,10 @@
 //! How the detector's conditions and causes appear as items of enumerations.
 
-use steerguard_detector::{AlarmCause, Monitor, Signal, StateCause};
+use steerguard_detector::{
+    AlarmCause, FaultEstimate, FaultHypothesis, Monitor, Signal, StateCause,
+};
 use steerguard_model_description::detector::{
-    DetectorAlarmCause, DetectorState, DetectorStateCause,
+    DetectorAlarmCause, DetectorFaultHypothesis, DetectorState, DetectorStateCause,
 };
 
 /// The item of `state` while a condition holds.
@@ -38,5 +40,18 @@ pub const fn alarm_cause(cause: AlarmCause) -> DetectorAlarmCause {
         AlarmCause::Residual => DetectorAlarmCause::Residual,
         AlarmCause::Range => DetectorAlarmCause::Range,
         AlarmCause::SecondTest => DetectorAlarmCause::SecondTest,
+    }
+}
+
+/// The item of `fault_hypothesis` for what the second test knows.
+pub const fn fault_hypothesis(estimate: Option<&FaultEstimate>) -> DetectorFaultHypothesis {
+    let Some(FaultEstimate { hypothesis, .. }) = estimate else {
+        return DetectorFaultHypothesis::NotKnown;
+    };
+    match hypothesis {
+        FaultHypothesis::Undecided => DetectorFaultHypothesis::Undecided,
+        FaultHypothesis::Steering => DetectorFaultHypothesis::Steering,
+        FaultHypothesis::YawRateSensor => DetectorFaultHypothesis::YawRateSensor,
+        FaultHypothesis::SpeedSensor => DetectorFaultHypothesis::SpeedSensor,
     }
 }

@@ -77,7 +77,7 @@ impl Table {
 }
 
 /// An output's fields by name, exact.
-fn fields(output: &Output) -> [(&'static str, String); 15] {
+fn fields(output: &Output) -> [(&'static str, String); 16] {
     let Output {
         residual,
         v_y_hat,
@@ -112,6 +112,7 @@ fn fields(output: &Output) -> [(&'static str, String); 15] {
         ("fault_estimate_rad", estimated(|x| format!("{:?}", x.fault_rad))),
         ("fault_estimate_bound_rad", estimated(|x| format!("{:?}", x.bound_rad))),
         ("fault_onset", estimated(|x| x.onset.to_string())),
+        ("fault_hypothesis", estimated(|x| format!("{:?}", x.hypothesis))),
     ]
 }
 
