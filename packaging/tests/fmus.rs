@@ -112,7 +112,7 @@ fn the_descriptions_have_no_finding() {
 fn the_libraries_export_fmi2_and_need_next_to_nothing() {
     for (fmu, identifier) in [(detector(), names::DETECTOR), (plant(), names::PLANT)] {
         let library = entry(&fmu, &Platform::HOST.unwrap().library_path(identifier));
-        assert!(library.len() < 150_000, "{identifier}: {} bytes", library.len());
+        assert!(library.len() < 160_000, "{identifier}: {} bytes", library.len());
         let text = String::from_utf8_lossy(&library);
         assert!(!text.contains("panic"), "{identifier}: panic machinery");
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import SECOND_TEST
+from second_test import NOT_KNOWN, STEERING, YAW_RATE_SENSOR
 from signals import INPUTS, OUTPUTS, assert_agree, expected
 
 RECORDED = Path(__file__).parents[1] / "replay" / "recorded" / "default"
@@ -19,7 +20,7 @@ def drive(name):
 def test_recorded_drives(with_second_test, name):
     detector, reference = with_second_test
     inputs = drive(name)
-    causes, largest = set(), 0.0
+    causes, hypotheses, largest = set(), set(), 0.0
     for factor in [1.0, 0.5]:
         with detector.instance() as instance:
             instance.initialise({"threshold_factor": factor})
@@ -28,7 +29,20 @@ def test_recorded_drives(with_second_test, name):
         assert_agree(found, results, inputs, reference.weights)
         assert results["second_ratio"].max() > 0.5
         causes.update(results["alarm_cause"])
+        hypotheses.update(results["fault_hypothesis"])
         largest = max(largest, np.abs(results["fault_estimate"]).max())
     # It finds what the residual does not, or not yet, and says what.
-    assert SECOND_TEST in causes
+    assert SECOND_TEST in causes and STEERING in hypotheses
     assert largest > 1e-3
+
+
+def test_a_step_of_the_yaw_rate_sensor_is_named(with_second_test):
+    detector, reference = with_second_test
+    inputs = {name: column[:700].copy() for name, column in drive("fault").items()}
+    inputs["r"][600:] += 0.1
+    with detector.instance() as instance:
+        instance.initialise({})
+        found = instance.record(inputs, OUTPUTS, reference.period)
+    assert_agree(found, expected(reference, inputs), inputs, reference.weights)
+    assert set(found["fault_hypothesis"][:600]) == {NOT_KNOWN}
+    assert set(found["fault_hypothesis"][605:640]) == {YAW_RATE_SENSOR}

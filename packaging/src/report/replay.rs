@@ -61,20 +61,21 @@ struct Injected {
 }
 
 impl Injected {
+    /// What is looked for first: a phone shows no more than that.
     fn row(&self, drive: &Drive) -> Vec<String> {
         let size = match (self.angle_deg, self.lost_share) {
             (Some(angle_deg), _) => format!("{angle_deg:+} deg"),
             (None, share) => format!("{:.0} %", 100.0 * share.unwrap_or_default()),
         };
         vec![
-            drive.name(),
             self.kind.clone(),
             size,
-            format!("{:.1}", self.onset_s),
             self.verdict.clone(),
             or_none(self.delay_s),
             self.cause.clone().unwrap_or("-".into()),
+            format!("{:.1}", self.onset_s),
             or_none(self.largest_ratio),
+            drive.name(),
         ]
     }
 }
@@ -144,7 +145,7 @@ impl Replay {
         if total.injected > 0 {
             let injected = drives.iter().flat_map(|x| x.injected.iter().map(|fault| fault.row(x)));
             let head =
-                ["drive", "fault", "size", "from s", "verdict", "delay s", "by", "largest J/J_th"];
+                ["fault", "size", "verdict", "delay s", "by", "from s", "largest J/J_th", "drive"];
             html += &headed("Injected faults", head, injected);
         }
         html
