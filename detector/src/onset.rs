@@ -9,7 +9,8 @@
 //!   explains most is `a / c`, of standard deviation `c^-1/2`; the statistic is `|a / c|` over `c^-1/2 + o`,
 //!   o a share of what bank and gust at their bounds look like, which no time makes less.
 //! - An estimate errs by less than a factor times `c^-1/2 + o` where that statistic stays below the factor
-//!   without a fault: what disturbs it is the same with a fault and without.
+//!   without a fault, as what disturbs it is the same with a fault and without; and by what tyres that are softer
+//!   or slide make of the fault itself. It is that of the likeliest onset of all.
 //! - What speaks for the steering may be a step of a sensor, which shifts the innovations by `s = d + H eps`,
 //!   `eps+ = Phi (eps - K s)`. What explains more has the larger `a^2 / c`, twice the logarithm of its likelihood
 //!   over that of no fault, and is named where the others explain clearly less. Threshold and estimate are those of
@@ -18,6 +19,7 @@
 //!   had always known, and further steps are found on top.
 
 use crate::algebra::{all_finite, magnitude};
+use crate::axles::deficit;
 use crate::filter::{Correction, STATES, Transition};
 use crate::{Estimator, Filter, Gust, RELEASE, TsModel, Uncertainty};
 
@@ -41,10 +43,12 @@ const LOOKS: f64 = 0.2;
 const KNOWN_S: f64 = 0.5;
 /// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
 const SETTLED_S: f64 = 0.3;
-/// A statistic of this many thresholds is taken in at once: what a large fault does is not linear for long.
+/// A fault is taken in sooner at a statistic of this many thresholds, as what a large one does is not linear for long, ...
 const CLEAR: f64 = 3.0;
-/// ... or as soon as it is known what it is, and after so many samples at the latest.
-const CLEAR_SAMPLES: u64 = 4;
+/// ... for this long, s: the first samples tell little of its size.
+const CLEAR_S: f64 = 0.1;
+/// Steps of the iteration for the angle behind a force that friction limits.
+const STEPS: u32 = 4;
 /// No road wheel is off by more, rad: a filter that finds more is lost.
 const LARGEST_FAULT_RAD: f64 = 1.6;
 /// What is named explains more than any other by this, as `a^2 / c`, ...
@@ -229,6 +233,11 @@ pub(crate) struct OnsetTest {
     first: u64,
     settled: u64,
     known_for: u64,
+    /// Samples for which a clear one is looked at first.
+    clear: u64,
+    /// Relative error of the front stiffness; axle force of 1 rad over what friction holds.
+    front: f64,
+    front_over_held: f64,
     /// What the bank at its bound looks like, rad, and a side force, rad/N.
     bank_rad: f64,
     by_force_rad_per_n: f64,
@@ -258,20 +267,27 @@ impl OnsetTest {
             first: samples(KNOWN_S),
             settled: samples(SETTLED_S),
             known_for: samples(KNOWN_FOR_S),
+            clear: samples(CLEAR_S).max(1),
+            front: uncertainty.front_cornering_stiffness,
+            front_over_held: uncertainty
+                .held_n(&v)
+                .map_or(0.0, |[held, _]| 2.0 * v.front_cornering_stiffness_n_per_rad / held),
             bank_rad: v.mass_kg * looks_rad_per_n(0.0) * uncertainty.bank_m_per_s2,
             by_force_rad_per_n: looks_rad_per_n(gust.acting_ahead_m),
             gust,
         }
     }
 
-    /// The hypothesis with the largest statistic, if one says anything yet, and that.
-    fn likeliest<'a>(&self, onsets: &'a Onsets) -> Option<(&'a Hypothesis, f64)> {
+    /// The hypothesis with the largest statistic, if one says anything yet, and that: of all that are looked at, or
+    /// of those of which the statistic is.
+    fn likeliest<'a>(&self, onsets: &'a Onsets, all: bool) -> Option<(&'a Hypothesis, f64)> {
         let mut likeliest = None;
         let mut largest = 0.0;
         for hypothesis in &onsets.hypotheses {
             let Signature { correlation: a, information: c, .. } = *hypothesis.steering();
             let per_statistic = libm::sqrt(c) + onsets.looks_rad * c;
-            let counts = hypothesis.onset.is_some_and(|onset| onset.is_multiple_of(self.spacing));
+            let counts =
+                hypothesis.onset.is_some_and(|onset| all || onset.is_multiple_of(self.spacing));
             if counts && magnitude(a) > largest * per_statistic {
                 largest = magnitude(a) / per_statistic;
                 likeliest = Some((hypothesis, largest));
@@ -310,7 +326,7 @@ impl OnsetTest {
         factor: f64,
         sample: u64,
     ) -> Option<FaultEstimate> {
-        let found = if self.exceeds(onsets, factor) { self.likeliest(onsets) } else { None };
+        let found = if self.exceeds(onsets, factor) { self.likeliest(onsets, true) } else { None };
         let (fault_rad, variance, onset) = match found {
             Some((x, _)) => (
                 onsets.held_rad + x.steering().correlation / x.steering().information,
@@ -320,12 +336,25 @@ impl OnsetTest {
             None if onsets.holds() => (onsets.held_rad, onsets.held_variance, onsets.held_onset),
             None => return None,
         };
+        let disturbed = self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad);
+        let unlike = self.unknown_share(fault_rad);
         Some(FaultEstimate {
             fault_rad,
-            bound_rad: self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad),
+            bound_rad: libm::sqrt(disturbed * disturbed + unlike * unlike),
             onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
             hypothesis: onsets.hypothesis,
         })
+    }
+
+    /// By how much a fault may be larger that does what one of `fault_rad` does to the vehicle as estimated, rad: on
+    /// softer tyres, and on some that slide.
+    fn unknown_share(&self, fault_rad: f64) -> f64 {
+        let found = magnitude(fault_rad);
+        let mut angle = found;
+        for _ in 0..STEPS {
+            angle = found / (1.0 - deficit(self.front_over_held * angle));
+        }
+        self.front * found + (angle - found)
     }
 
     /// Takes in what a measurement has said. Returns whether a fault that the filter knew is over, or the
@@ -349,9 +378,9 @@ impl OnsetTest {
         }
         onsets.looks_rad =
             LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
-        let likeliest = self.likeliest(onsets).map(|(found, statistic)| (*found, statistic));
-        onsets.statistic = likeliest.map_or(0.0, |(_, statistic)| statistic);
-        let Some((found, _)) = likeliest.filter(|_| self.exceeds(onsets, factor)) else {
+        onsets.statistic = self.likeliest(onsets, false).map_or(0.0, |(_, statistic)| statistic);
+        let likeliest = self.likeliest(onsets, true).map(|(found, _)| *found);
+        let Some(found) = likeliest.filter(|_| self.exceeds(onsets, factor)) else {
             onsets.clear = 0;
             if !onsets.holds() {
                 onsets.hypothesis = FaultHypothesis::Undecided;
@@ -370,8 +399,8 @@ impl OnsetTest {
         let is_clear = self.exceeds(onsets, CLEAR * factor);
         onsets.clear = if is_clear { onsets.clear + 1 } else { 0 };
         let is_named = onsets.hypothesis != FaultHypothesis::Undecided;
-        let is_known = is_clear && (is_named || onsets.clear >= CLEAR_SAMPLES);
-        (age >= self.settled || is_known) && self.take_in(onsets, filter, &found, factor)
+        (age >= self.settled || onsets.clear >= self.clear)
+            && self.take_in(onsets, filter, &found, factor)
     }
 
     /// Lets the filter know a fault. Returns whether this ends one that it knew.

@@ -27,7 +27,8 @@ KNOWN_FOR_S = 10.0
 LOOKS = 0.2  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.3
 CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
-CLEAR_SAMPLES = 4
+CLEAR_S = 0.1
+STEPS = 4  # of the iteration for the angle behind a force that friction limits
 YOUNG = 20  # samples at each of which an onset is looked at
 CLEARER, CLEARER_BY = 12.0, 0.02
 NOT_KNOWN, STEERING, YAW_RATE_SENSOR, SPEED_SENSOR, UNDECIDED = 1, 2, 3, 4, 5  # items of fault_hypothesis
@@ -51,6 +52,7 @@ class SecondTest:
         self.spacing, self.oldest = max(int(SPACING_S / period + 0.5), 1), int(OLDEST_S / period)
         self.first, self.settled = int(KNOWN_S / period), int(SETTLED_S / period)
         self.known_for = int(KNOWN_FOR_S / period)
+        self.clear_for = max(int(CLEAR_S / period), 1)
         self.forget()
 
     def forget(self):
@@ -153,8 +155,9 @@ class SecondTest:
         q = self.uncertainty
         by_bank = self.looks_like(self.vehicle["mass_kg"] * q.bank, 0.0)
         self.looks = LOOKS * (by_bank + self.looks_like(self.gust_force(self.x[V_X]), q.gust_ahead))
-        found = self.likeliest()
-        self.statistic = 0.0 if found is None else self.statistic_of(found)
+        counts = self.likeliest([h for h in self.hypotheses if self.on_grid(h)])
+        self.statistic = 0.0 if counts is None else self.statistic_of(counts)
+        found = self.likeliest(self.hypotheses)
         limit = factor * self.threshold
         if self.statistic < limit:
             self.clear = 0
@@ -166,9 +169,7 @@ class SecondTest:
         if abs(self.held + found[2][0] / found[3][0]) > LARGEST_FAULT:
             return False
         self.clear = self.clear + 1 if self.statistic >= CLEAR * limit else 0
-        named = self.hypothesis != UNDECIDED
-        known = self.clear >= (1 if named else CLEAR_SAMPLES)
-        if self.samples - found[0] < self.settled and not known:
+        if self.samples - found[0] < self.settled and self.clear < self.clear_for:
             return True
         return not self._take_in(found, limit)
 
@@ -276,13 +277,23 @@ class SecondTest:
             Q[k, k] = t * (WALK * self.deviations[k]) ** 2
         return Q
 
-    def likeliest(self):
-        found = [h for h in self.hypotheses if self.on_grid(h) and h[3][0] > 0]
-        return max(found, key=self.statistic_of, default=None)
+    def likeliest(self, hypotheses):
+        return max((h for h in hypotheses if h[3][0] > 0), key=self.statistic_of, default=None)
 
     def statistic_of(self, hypothesis):
         a, c = hypothesis[2][0], hypothesis[3][0]
         return abs(a / c) / (1 / np.sqrt(c) + self.looks)
+
+    def unlike(self, found):
+        """What softer tyres and such that slide hide of a fault that is found."""
+        v, q = self.vehicle, self.uncertainty
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        held = q.friction * v["mass_kg"] * GRAVITY * l_r / (l_f + l_r)
+        angle = found
+        for _ in range(STEPS):
+            square = (2 * v["front_cornering_stiffness_n_per_rad"] * angle / held) ** 2
+            angle = found / (1 - square * (35 + square) / (105 + 45 * square + square**2))
+        return q.front * found + angle - found
 
     def speaks(self, factor):
         known = self.largest > 0 and self.samples - self.held_since <= self.known_for
@@ -295,10 +306,10 @@ class SecondTest:
         """Fault, its bound, the samples since its onset and what it is, or None."""
         fault, variance, onset = self.held, self.variance, self.held_onset
         known = self.largest > 0
-        if self.statistic >= factor * self.threshold and (found := self.likeliest()) is not None:
+        if self.statistic >= factor * self.threshold and (found := self.likeliest(self.hypotheses)) is not None:
             fault, variance = fault + found[2][0] / found[3][0], variance + 1 / found[3][0]
             onset = onset if known else found[0]
         elif not known:
             return None
-        bound = self.estimate_factor * (np.sqrt(variance) + self.looks)
-        return fault, bound, self.samples - onset, self.hypothesis
+        disturbed = self.estimate_factor * (np.sqrt(variance) + self.looks)
+        return fault, np.hypot(disturbed, self.unlike(abs(fault))), self.samples - onset, self.hypothesis
