@@ -352,7 +352,8 @@ impl OnsetTest {
         let found = magnitude(fault_rad);
         let mut angle = found;
         for _ in 0..STEPS {
-            angle = found / (1.0 - deficit(self.front_over_held * angle));
+            let held = 1.0 - deficit(self.front_over_held * angle);
+            angle = (found / held).min(LARGEST_FAULT_RAD);
         }
         self.front * found + (angle - found)
     }
@@ -398,7 +399,6 @@ impl OnsetTest {
         let age = onsets.samples.saturating_sub(onset.unwrap_or_default());
         let is_clear = self.exceeds(onsets, CLEAR * factor);
         onsets.clear = if is_clear { onsets.clear + 1 } else { 0 };
-        let is_named = onsets.hypothesis != FaultHypothesis::Undecided;
         (age >= self.settled || onsets.clear >= self.clear)
             && self.take_in(onsets, filter, &found, factor)
     }

@@ -292,7 +292,8 @@ class SecondTest:
         angle = found
         for _ in range(STEPS):
             square = (2 * v["front_cornering_stiffness_n_per_rad"] * angle / held) ** 2
-            angle = found / (1 - square * (35 + square) / (105 + 45 * square + square**2))
+            missing = square * (35 + square) / (105 + 45 * square + square**2)
+            angle = min(found / (1 - missing), LARGEST_FAULT)
         return q.front * found + angle - found
 
     def speaks(self, factor):

@@ -36,6 +36,7 @@ def test_recorded_drives(with_second_test, name):
     assert largest > 1e-3
 
 
+@pytest.mark.parametrize("with_second_test", ["few"], indirect=True)
 def test_a_step_of_the_yaw_rate_sensor_is_named(with_second_test):
     detector, reference = with_second_test
     inputs = {name: column[:700].copy() for name, column in drive("fault").items()}
