@@ -142,6 +142,35 @@ fn errors_go_on_as_the_mean_does_when_it_is_off() {
 }
 
 #[test]
+fn the_mean_moves_as_the_vehicle_with_these_parameters_does() {
+    let period_s = 1e-6;
+    let told = told(period_s, BLIND);
+    let plain = told.model.vehicle;
+    let vehicle = Vehicle {
+        mass_kg: plain.mass_kg * (1.0 + X[5]),
+        effective_longitudinal_inertia_kg_m: plain.effective_longitudinal_inertia_kg_m
+            * (1.0 + X[5]),
+        yaw_inertia_kg_m2: plain.yaw_inertia_kg_m2 * (1.0 + X[6]),
+        front_cornering_stiffness_n_per_rad: plain.front_cornering_stiffness_n_per_rad
+            * (1.0 + X[7]),
+        rear_cornering_stiffness_n_per_rad: plain.rear_cornering_stiffness_n_per_rad * (1.0 + X[8]),
+        ..plain
+    };
+    let fault_rad = 0.03;
+    let delta_rad = (1.0 + X[9]) * BRAKES.delta_rad + X[10] + fault_rad;
+    let mut slope = vehicle.derivative([X[0], X[1], X[2]].into(), Input { delta_rad, ..BRAKES });
+    // Bank and gust push aside; the gust, a side force on the mass as stated, turns too.
+    let ahead_m = told.deviations.uncertainty.gust.acting_ahead_m;
+    slope[1] += X[3] + X[4];
+    slope[2] += ahead_m * plain.mass_kg * X[4] / plain.yaw_inertia_kg_m2;
+    let change = |state: &mut State| state.onsets.held_rad = fault_rad;
+    let x = sampled(&told, [[0.0; STATES]; STATES], shown(&X), change).filter.x;
+    for i in 0..3 {
+        near((x[i] - X[i]) / period_s, slope[i], 1e-4, slope[i], &format!("state {i}"));
+    }
+}
+
+#[test]
 fn a_long_step_goes_where_short_ones_go() {
     let ends = |period_s: f64, steps: u32| {
         let mut told = told(period_s, BLIND);
@@ -353,8 +382,34 @@ fn a_filter_that_cannot_be_is_lost() {
     ] {
         assert_eq!(starts(off, &as_it_is), lost, "{off:?}");
     }
-    for (v_y, lost) in [(49.9, false), (-49.9, false), (50.1, true), (-50.1, true)] {
+    for (v_y, lost) in [(49.9, false), (-49.9, false), (50.0, true), (-50.1, true)] {
         assert_eq!(starts([0.0; 2], &|state| state.filter.x[1] = v_y), lost, "{v_y} m/s");
+    }
+}
+
+#[test]
+fn a_yaw_rate_that_cannot_be_is_lost() {
+    // A sensor that says nothing of it: the innovation is small.
+    let told = told(1e-9, [0.02, 1e7]);
+    for (r, lost) in [(19.9, false), (-19.9, false), (20.0, true), (-20.1, true)] {
+        let state = sampled(&told, [[0.0; STATES]; STATES], shown(&X), |state| {
+            state.filter.x[2] = r;
+            state.onsets.samples = 100;
+        });
+        assert_eq!(state.onsets.samples == 1, lost, "{r} rad/s");
+    }
+}
+
+#[test]
+fn a_parameter_is_off_by_half_at_most() {
+    let told = told(1e-9, BLIND);
+    for sign in [1.0, -1.0] {
+        let change = |state: &mut State| state.filter.x[5..12].fill(sign * 0.6);
+        let x = sampled(&told, [[0.0; STATES]; STATES], shown(&X), change).filter.x;
+        // Mass, yaw inertia, stiffnesses and steering ratio.
+        assert_eq!(x[5..10], [sign * 0.5; 5]);
+        // An angle and a rate are no shares.
+        assert_eq!(x[10..12], [sign * 0.6; 2]);
     }
 }
 
@@ -372,4 +427,35 @@ fn a_filter_that_none_can_have_had_is_refused() {
     let mut state = *detector.state();
     state.filter.p[12] = [0.0; STATES];
     detector.set_state(&state).unwrap();
+}
+
+#[test]
+fn before_the_first_start_only_the_specification_is_known() {
+    let told = told(0.01, BLIND);
+    let u = told.deviations.uncertainty;
+    let detector = Detector::new(&told).unwrap();
+    let Filter { x, p } = detector.state().filter;
+    assert_eq!(x, [0.0; STATES]);
+    // Motion and gust are known by the first measurement.
+    let bounds = [
+        0.0,
+        0.0,
+        0.0,
+        u.bank_m_per_s2,
+        0.0,
+        u.mass,
+        u.yaw_inertia,
+        u.front_cornering_stiffness,
+        u.rear_cornering_stiffness,
+        u.steering_ratio,
+        u.steering_offset_rad,
+        u.yaw_rate_bias_rad_per_s,
+        u.v_x_scale,
+    ];
+    for (i, row) in p.iter().enumerate() {
+        for (j, found) in row.iter().enumerate() {
+            let expected = if i == j { bounds[i] * bounds[i] } else { 0.0 };
+            assert_eq!(*found, expected, "{i}, {j}");
+        }
+    }
 }
