@@ -294,6 +294,64 @@ fn covariances_go_on_as_errors_do_and_noise_adds() {
 }
 
 #[test]
+fn axle_forces_are_uncertain_by_friction_load_and_a_late_actuator() {
+    let (period_s, lag_s) = (0.01, 0.1);
+    // Variance that a sample adds to v_y beside what goes on of the covariance, of which there is none.
+    let added = |change: &dyn Fn(&mut Uncertainty)| {
+        let mut told = told(period_s, BLIND);
+        told.model.vehicle.centre_of_gravity_height_m = 0.5;
+        change(&mut told.deviations.uncertainty);
+        let mut detector = Detector::new(&told).unwrap();
+        detector.sample(shown(&X), Input { delta_rad: 0.0, ..BRAKES });
+        let mut state = *detector.state();
+        state.filter = Filter { x: X, p: [[0.0; STATES]; STATES] };
+        detector.set_state(&state).unwrap();
+        detector.sample(shown(&X), BRAKES);
+        detector.state().filter.p[1][1]
+    };
+    let v = Vehicle { centre_of_gravity_height_m: 0.5, ..told(period_s, BLIND).model.vehicle };
+    let longitudinal = (BRAKES.t_eng_n_m - v.longitudinal_drag_n_m_s2_per_m2 * X[0] * X[0])
+        / (v.effective_longitudinal_inertia_kg_m * (1.0 + X[5]));
+    let loads = v.load_factors(longitudinal);
+    let stiffness = [
+        2.0 * v.front_cornering_stiffness_n_per_rad * loads[0] * (1.0 + X[7]),
+        2.0 * v.rear_cornering_stiffness_n_per_rad * loads[1] * (1.0 + X[8]),
+    ];
+    let delta_rad = (1.0 + X[9]) * BRAKES.delta_rad + X[10];
+    let forces = [
+        stiffness[0] * (delta_rad - (X[1] + v.front_axle_distance_m * X[2]) / X[0]),
+        stiffness[1] * (v.rear_axle_distance_m * X[2] - X[1]) / X[0],
+    ];
+    let mass = v.mass_kg * (1.0 + X[5]);
+    let of_forces = |shares: [f64; 2]| {
+        let variance = |k: usize| (forces[k] * shares[k]).powi(2) + (0.02 * forces[k]).powi(2);
+        period_s * (0.03 * 0.03 + (variance(0) + variance(1)) / (mass * mass))
+    };
+    let plain = added(&|_| {});
+    near(plain, of_forces([0.0; 2]), 1e-9, plain, "noise alone");
+
+    // What is missing of a linear tyre's force where friction ends, and of the load that moves.
+    let friction = [0, 1].map(|k| {
+        let asked = forces[k] / (loads[k] * v.axle_loads_n(0.0)[k]);
+        1.0 - asked.tanh() / asked
+    });
+    let moved = loads.map(|load| 0.2 * (load - 1.0).abs());
+    let both = [0, 1].map(|k| friction[k] + moved[k]);
+    // The share that friction leaves is an approximation of its own, to 0.7 % of the force: here to 2 % of it.
+    let found = added(&|u| u.friction = Some(1.0));
+    near(found, of_forces(friction), 0.02, found, "friction");
+    let found = added(&|u| u.load_transfer = 0.2);
+    near(found, of_forces(moved), 1e-9, found, "load");
+    let found = added(&|u| (u.friction, u.load_transfer) = (Some(1.0), 0.2));
+    near(found, of_forces(both), 0.02, found, "both");
+
+    // The slowest actuator has just begun to follow: its mean over the sample.
+    let late_rad = BRAKES.delta_rad * lag_s / period_s * (1.0 - (-period_s / lag_s).exp());
+    let found = added(&|u| u.actuator_lag_s = lag_s) - plain;
+    near(found, period_s * (stiffness[0] * late_rad / mass).powi(2), 1e-6, found, "actuator");
+}
+
+#[test]
 fn no_more_is_unknown_than_at_first() {
     let told = told(1e-9, BLIND);
     let u = told.deviations.uncertainty;
