@@ -446,6 +446,22 @@ fn a_filter_that_cannot_be_is_lost() {
 }
 
 #[test]
+fn innovations_of_two_hundred_deviations_are_too_many_to_the_last_bit() {
+    // Powers of two, so that nothing is rounded.
+    let noise = [1.0 / 64.0, 1.0 / 512.0];
+    let told = told(1e-9, noise);
+    let lost = |deviations: f64| {
+        let change = |state: &mut State| {
+            (state.filter.x[2], state.filter.x[11], state.filter.x[12]) = (0.25, 0.0, 0.0);
+            state.onsets.samples = 100;
+        };
+        let seen = y(X[0] + deviations * noise[0], 0.25);
+        sampled(&told, [[0.0; STATES]; STATES], seen, change).onsets.samples == 1
+    };
+    assert!(lost(200.0) && lost(-200.0) && !lost(199.5) && !lost(-199.5));
+}
+
+#[test]
 fn a_yaw_rate_that_cannot_be_is_lost() {
     // A sensor that says nothing of it: the innovation is small.
     let told = told(1e-9, [0.02, 1e7]);
