@@ -392,7 +392,9 @@ fn no_more_is_unknown_than_at_first() {
 #[test]
 fn a_start_forgets_the_motion_and_keeps_the_rest() {
     let noise = [0.02, 0.002];
-    let told = told(1e-9, noise);
+    let mut told = told(1e-12, noise);
+    // A storm, whose variance is more than twice its deviation.
+    told.deviations.uncertainty.gust.coefficient_n_s2_per_m2 *= 10.0;
     let p = covariance(0.0);
     let seen = y(18.0, 0.2);
     let Filter { x, p: found } = sampled(&told, p, seen, |state| state.onsets.samples = 0).filter;
