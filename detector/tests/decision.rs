@@ -6,8 +6,8 @@ mod common;
 
 use common::{configuration, u, y};
 use steerguard_detector::{
-    AlarmCause, Configuration, Detector, Estimator, FaultEstimate, Initialisation, Input, Monitor,
-    Output, RELEASE, Staleness,
+    AlarmCause, Configuration, Detector, Estimator, FaultEstimate, FaultHypothesis, Initialisation,
+    Input, Monitor, Output, RELEASE, Staleness,
 };
 
 const CRUISE: Input = u(78.75, 0.0);
@@ -98,7 +98,12 @@ fn the_range_is_judged_once_the_motions_are_older_than_the_window() {
 
 #[test]
 fn what_was_found_of_a_fault_stands_where_nothing_can_be_told() {
-    let estimate = Some(FaultEstimate { fault_rad: 0.02, bound_rad: 0.005, onset: 60 });
+    let estimate = Some(FaultEstimate {
+        fault_rad: 0.02,
+        bound_rad: 0.005,
+        onset: 60,
+        hypothesis: FaultHypothesis::Steering,
+    });
     let mut detector = detector();
     for _ in 0..70 {
         detector.sample(y(15.0, 0.0), CRUISE);

@@ -82,9 +82,10 @@ fn transition(told: &Configuration) -> ([[f64; STATES]; STATES], [f64; STATES]) 
     let error = |error: [f64; STATES]| {
         let state = sampled(told, covariance(0.0), shown(&X), |state| {
             state.onsets.hypotheses[0] =
-                Hypothesis { onset: Some(1), error, ..Hypothesis::default() };
+                Hypothesis { onset: Some(state.onsets.samples), ..Hypothesis::default() };
+            state.onsets.hypotheses[0].signatures[0].error = error;
         });
-        state.onsets.hypotheses[0].error
+        state.onsets.hypotheses[0].signatures[0].error
     };
     let of_fault = error([0.0; STATES]);
     let mut columns = [[0.0; STATES]; STATES];
