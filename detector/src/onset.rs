@@ -9,8 +9,8 @@
 //!   explains most is `a / c`, of standard deviation `c^-1/2`; the statistic is `|a / c|` over `c^-1/2 + o`,
 //!   o a share of what bank and gust at their bounds look like, which no time makes less.
 //! - An estimate errs by less than a factor times `c^-1/2 + o` where that statistic stays below the factor
-//!   without a fault, as what disturbs it is the same with a fault and without; and by what tyres that are softer
-//!   or slide make of the fault itself. It is that of the likeliest onset of all.
+//!   without a fault, as what disturbs it is the same with a fault and without; and by what the filter and tyres
+//!   that slide make of the fault itself. It is that of the likeliest onset of all.
 //! - What speaks for the steering may be a step of a sensor, which shifts the innovations by `s = d + H eps`,
 //!   `eps+ = Phi (eps - K s)`. What explains more has the larger `a^2 / c`, twice the logarithm of its likelihood
 //!   over that of no fault, and is named where the others explain clearly less. Threshold and estimate are those of
@@ -47,6 +47,8 @@ const SETTLED_S: f64 = 0.3;
 const CLEAR: f64 = 3.0;
 /// ... for this long, s: the first samples tell little of its size.
 const CLEAR_S: f64 = 0.1;
+/// Share of a fault that the filter may take for road and vehicle before its size is known.
+const MISTAKEN: f64 = 0.5;
 /// Steps of the iteration for the angle behind a force that friction limits.
 const STEPS: u32 = 4;
 /// No road wheel is off by more, rad: a filter that finds more is lost.
@@ -235,8 +237,7 @@ pub(crate) struct OnsetTest {
     known_for: u64,
     /// Samples for which a clear one is looked at first.
     clear: u64,
-    /// Relative error of the front stiffness; axle force of 1 rad over what friction holds.
-    front: f64,
+    /// Front axle force of 1 rad over what friction holds.
     front_over_held: f64,
     /// What the bank at its bound looks like, rad, and a side force, rad/N.
     bank_rad: f64,
@@ -268,7 +269,6 @@ impl OnsetTest {
             settled: samples(SETTLED_S),
             known_for: samples(KNOWN_FOR_S),
             clear: samples(CLEAR_S).max(1),
-            front: uncertainty.front_cornering_stiffness,
             front_over_held: uncertainty
                 .held_n(&v)
                 .map_or(0.0, |[held, _]| 2.0 * v.front_cornering_stiffness_n_per_rad / held),
@@ -337,25 +337,24 @@ impl OnsetTest {
             None => return None,
         };
         let disturbed = self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad);
-        let unlike = self.unknown_share(fault_rad);
         Some(FaultEstimate {
             fault_rad,
-            bound_rad: libm::sqrt(disturbed * disturbed + unlike * unlike),
+            bound_rad: disturbed + self.mistaken_rad(fault_rad),
             onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
             hypothesis: onsets.hypothesis,
         })
     }
 
-    /// By how much a fault may be larger that does what one of `fault_rad` does to the vehicle as estimated, rad: on
-    /// softer tyres, and on some that slide.
-    fn unknown_share(&self, fault_rad: f64) -> f64 {
+    /// By how much a fault may differ from `fault_rad` that it is taken for, rad: what the filter mistakes for road
+    /// and vehicle, and what tyres make less of that slide.
+    fn mistaken_rad(&self, fault_rad: f64) -> f64 {
         let found = magnitude(fault_rad);
         let mut angle = found;
         for _ in 0..STEPS {
             let held = 1.0 - deficit(self.front_over_held * angle);
             angle = (found / held).min(LARGEST_FAULT_RAD);
         }
-        self.front * found + (angle - found)
+        MISTAKEN * found + (angle - found)
     }
 
     /// Takes in what a measurement has said. Returns whether a fault that the filter knew is over, or the

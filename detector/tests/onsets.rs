@@ -14,7 +14,6 @@ use steerguard_detector::{
 const THRESHOLD: f64 = 3.0;
 const ESTIMATE_FACTOR: f64 = 2.0;
 const BANK: f64 = 0.51;
-const FRONT: f64 = 0.1;
 const GUST: Gust =
     Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 };
 const V_X: f64 = 20.0;
@@ -40,7 +39,7 @@ fn told() -> Configuration {
     let uncertainty = Uncertainty {
         mass: 0.11,
         yaw_inertia: 0.11,
-        front_cornering_stiffness: FRONT,
+        front_cornering_stiffness: 0.1,
         rear_cornering_stiffness: 0.1,
         bank_m_per_s2: BANK,
         gust: GUST,
@@ -126,9 +125,9 @@ fn per_statistic() -> f64 {
     INFORMATION.sqrt().recip() + looks_rad()
 }
 
-/// The bound of an estimate of so much, which softer front tyres would make of more.
+/// The bound of an estimate of so much, half of which the filter may have mistaken.
 fn bound_rad(fault_rad: f64, variance: f64) -> f64 {
-    f64::hypot(ESTIMATE_FACTOR * (variance.sqrt() + looks_rad()), FRONT * fault_rad)
+    ESTIMATE_FACTOR * (variance.sqrt() + looks_rad()) + 0.5 * fault_rad.abs()
 }
 
 /// The fault whose statistic is so much.

@@ -28,6 +28,7 @@ LOOKS = 0.2  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.3
 CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
 CLEAR_S = 0.1
+MISTAKEN = 0.5  # share of a fault that the filter may take for road and vehicle
 STEPS = 4  # of the iteration for the angle behind a force that friction limits
 YOUNG = 20  # samples at each of which an onset is looked at
 CLEARER, CLEARER_BY = 12.0, 0.02
@@ -284,8 +285,8 @@ class SecondTest:
         a, c = hypothesis[2][0], hypothesis[3][0]
         return abs(a / c) / (1 / np.sqrt(c) + self.looks)
 
-    def unlike(self, found):
-        """What softer tyres and such that slide hide of a fault that is found."""
+    def mistaken(self, found):
+        """What filter and tyres that slide may hide of a fault that is found."""
         v, q = self.vehicle, self.uncertainty
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
         held = q.friction * v["mass_kg"] * GRAVITY * l_r / (l_f + l_r)
@@ -294,7 +295,7 @@ class SecondTest:
             square = (2 * v["front_cornering_stiffness_n_per_rad"] * angle / held) ** 2
             missing = square * (35 + square) / (105 + 45 * square + square**2)
             angle = min(found / (1 - missing), LARGEST_FAULT)
-        return q.front * found + angle - found
+        return MISTAKEN * found + angle - found
 
     def speaks(self, factor):
         known = self.largest > 0 and self.samples - self.held_since <= self.known_for
@@ -313,4 +314,4 @@ class SecondTest:
         elif not known:
             return None
         disturbed = self.estimate_factor * (np.sqrt(variance) + self.looks)
-        return fault, np.hypot(disturbed, self.unlike(abs(fault))), self.samples - onset, self.hypothesis
+        return fault, disturbed + self.mistaken(abs(fault)), self.samples - onset, self.hypothesis
