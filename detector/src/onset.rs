@@ -15,8 +15,8 @@
 //!   `eps+ = Phi (eps - K s)`. What explains more has the larger `a^2 / c`, twice the logarithm of its likelihood
 //!   over that of no fault, and is named where the others explain clearly less. Threshold and estimate are those of
 //!   the steering alone.
-//! - A fault that is found is taken into the filter once it is [`SETTLED_S`] old: the filter goes on as if it
-//!   had always known, and further steps are found on top.
+//! - A fault that is found is taken into the filter once it is [`SETTLED_S`] old, or has been clear for [`CLEAR_S`]:
+//!   the filter goes on as if it had always known, and further steps are found on top.
 
 use crate::algebra::{all_finite, magnitude};
 use crate::axles::deficit;
@@ -47,7 +47,8 @@ const SETTLED_S: f64 = 0.3;
 const CLEAR: f64 = 3.0;
 /// ... for this long, s: the first samples tell little of its size.
 const CLEAR_S: f64 = 0.1;
-/// Share of a fault that the filter may take for road and vehicle before its size is known.
+/// Share of a fault that the filter may take for road and vehicle before its size is known: what 99 of 100 biases of
+/// up to 2 deg of the default car stay below (method 9).
 const MISTAKEN: f64 = 0.5;
 /// Steps of the iteration for the angle behind a force that friction limits.
 const STEPS: u32 = 4;
@@ -124,7 +125,7 @@ pub struct FaultEstimate {
     pub bound_rad: f64,
     /// Index of the sample from which on it acts.
     pub onset: u64,
-    /// What it is. What a sensor's step is taken for, fault and bound are then.
+    /// What it is. Where it is a sensor's, fault and bound are those of the angle that would explain the same.
     pub hypothesis: FaultHypothesis,
 }
 
@@ -186,6 +187,7 @@ impl Onsets {
             && self.held_variance >= 0.0
             && past(self.held_onset)
             && past(self.held_since)
+            && past(self.clear)
     }
 
     /// Whether the filter knows a fault.
@@ -397,7 +399,7 @@ impl OnsetTest {
         }
         let age = onsets.samples.saturating_sub(onset.unwrap_or_default());
         let is_clear = self.exceeds(onsets, CLEAR * factor);
-        onsets.clear = if is_clear { onsets.clear + 1 } else { 0 };
+        onsets.clear = if is_clear { onsets.clear.saturating_add(1) } else { 0 };
         (age >= self.settled || onsets.clear >= self.clear)
             && self.take_in(onsets, filter, &found, factor)
     }

@@ -370,7 +370,7 @@ fn a_fault_that_no_wheel_can_have_is_none() {
 fn onsets_that_no_test_can_have_are_refused() {
     let mut detector = after(|_| {});
     let before = detector;
-    let spoil: [fn(&mut Onsets); 12] = [
+    let spoil: [fn(&mut Onsets); 13] = [
         |x| x.hypotheses[7].onset = Some(x.samples + 1),
         |x| x.hypotheses[7].signatures[0].error[STATES - 1] = f64::NAN,
         |x| x.hypotheses[7].signatures[1].correlation = f64::INFINITY,
@@ -383,6 +383,7 @@ fn onsets_that_no_test_can_have_are_refused() {
         |x| x.looks_rad = f64::NAN,
         |x| x.held_onset = x.samples + 1,
         |x| x.held_since = x.samples + 1,
+        |x| x.clear = x.samples + 1,
     ];
     for (k, spoil) in spoil.into_iter().enumerate() {
         let mut state = *before.state();
