@@ -1,6 +1,6 @@
 """Drives the packaged FMU with recordings of CommonRoad's vehicles: varied driving, and sines with a bias of the wheel.
 
-    judge.py --steerguard COMMAND RECORDINGS
+    judge.py --steerguard COMMAND [--second-test] RECORDINGS
 
 RECORDINGS is a folder that record.py has filled. For each car in it three designs: as specified, with C_f -5 % and C_r +5 % in
 the specification, and the reverse. Varied driving: alarms, share of the time monitored, largest J/J_th. Sines: the worst
@@ -31,12 +31,14 @@ SINE_S, ONSET_S = 10.0, 6.0
 ERRORS = {"as specified": (1.0, 1.0), "C_f -5 %, C_r +5 %": (0.95, 1.05), "C_f +5 %, C_r -5 %": (1.05, 0.95)}
 
 
-def detector(steerguard, specification, folder, front=1.0, rear=1.0):
+def detector(steerguard, specification, folder, front=1.0, rear=1.0, second_test=False):
     """The packaged detector of a car whose specification is wrong by factors in C_f and C_r."""
     vehicle = tomllib.loads(specification.read_text(encoding="utf-8"))["vehicle"]
     vehicle["front_cornering_stiffness_n_per_rad"] *= front
     vehicle["rear_cornering_stiffness_n_per_rad"] *= rear
     text = "".join(f"vehicle.{key} = {value}\n" for key, value in vehicle.items())
+    if second_test:
+        text += "estimator.enabled = true\n"
     folder.mkdir()
     (folder / "car.toml").write_text(text, encoding="utf-8")
     for command in (["design", "car.toml", "-o", "design.json"], ["package", "design.json", "-o", "detector.fmu"]):
@@ -105,6 +107,7 @@ def judge_sines(fmu, paths, title):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steerguard", type=Path, required=True)
+    parser.add_argument("--second-test", action="store_true", help="designs with the second test")
     parser.add_argument("recordings", type=Path)
     a = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -114,7 +117,7 @@ def main():
             of_sines = [path for path in paths if path.stem.endswith("sines")]
             for error, factors in ERRORS.items():
                 place = Path(folder) / f"{car}-{factors[0]}"
-                fmu = detector(a.steerguard.resolve(), specification, place, *factors)
+                fmu = detector(a.steerguard.resolve(), specification, place, *factors, a.second_test)
                 for path in paths:
                     if path not in of_sines:
                         judge_drive(fmu, path, f"{path.stem}, {error}")
