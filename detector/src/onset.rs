@@ -26,7 +26,7 @@ use crate::{Estimator, Filter, Gust, RELEASE, TsModel, Uncertainty};
 /// Onsets that are looked at, at most: those up to [`OLDEST_S`], two thirds of [`SPACING_S`] apart or more; and, to
 /// tell a fault of the steering from one of a sensor, those of the last [`YOUNG`] samples and what explains most.
 pub const HYPOTHESES: usize = 16 + YOUNG as usize + EXPLANATIONS;
-/// What a fault can be one of: the steering, the yaw-rate sensor, the speed sensor.
+/// Explanations of a fault: the steering, the yaw-rate sensor, the speed sensor.
 pub const EXPLANATIONS: usize = 3;
 
 /// Onsets are looked at this far apart, s, or as many samples as come nearest to that.
@@ -298,6 +298,14 @@ impl OnsetTest {
         likeliest
     }
 
+    /// The likeliest hypothesis of all, where the statistic speaks for a fault that is not taken in yet.
+    fn found<'a>(&self, onsets: &'a Onsets, factor: f64) -> Option<&'a Hypothesis> {
+        if !self.exceeds(onsets, factor) {
+            return None;
+        }
+        self.likeliest(onsets, true).map(|(found, _)| found)
+    }
+
     /// The largest statistic over the threshold.
     pub(crate) fn ratio(&self, onsets: &Onsets) -> f64 {
         onsets.statistic / self.threshold
@@ -328,9 +336,8 @@ impl OnsetTest {
         factor: f64,
         sample: u64,
     ) -> Option<FaultEstimate> {
-        let found = if self.exceeds(onsets, factor) { self.likeliest(onsets, true) } else { None };
-        let (fault_rad, variance, onset) = match found {
-            Some((x, _)) => (
+        let (fault_rad, variance, onset) = match self.found(onsets, factor) {
+            Some(x) => (
                 onsets.held_rad + x.steering().correlation / x.steering().information,
                 onsets.held_variance + 1.0 / x.steering().information,
                 if onsets.holds() { onsets.held_onset } else { x.onset.unwrap_or_default() },
@@ -381,8 +388,7 @@ impl OnsetTest {
         onsets.looks_rad =
             LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
         onsets.statistic = self.likeliest(onsets, false).map_or(0.0, |(_, statistic)| statistic);
-        let likeliest = self.likeliest(onsets, true).map(|(found, _)| *found);
-        let Some(found) = likeliest.filter(|_| self.exceeds(onsets, factor)) else {
+        let Some(found) = self.found(onsets, factor).copied() else {
             onsets.clear = 0;
             if !onsets.holds() {
                 onsets.hypothesis = FaultHypothesis::Undecided;

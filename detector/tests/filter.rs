@@ -4,10 +4,10 @@
 
 mod common;
 
-use common::{configuration, u, y};
+use common::{STATED, u, y};
 use steerguard_detector::{
-    Configuration, Detector, Deviations, Estimator, Evaluation, Filter, Gust, Hypothesis, Input,
-    Measurement, STATES, State, Uncertainty, Vehicle,
+    Configuration, Detector, Estimator, Filter, Hypothesis, Input, Measurement, STATES, State,
+    Uncertainty, Vehicle,
 };
 
 /// Where every derivative is there: turning, braking, and with something known of each parameter.
@@ -19,34 +19,45 @@ const BLIND: [f64; 2] = [1e7, 1e7];
 
 /// A car whose drag shows, sampled so often. Its loads stay at rest: Phi leaves out what mass and speed do by them.
 fn told(period_s: f64, noise: [f64; 2]) -> Configuration {
-    let mut plain = configuration();
-    plain.model.sampling_period_s = period_s;
-    plain.model.vehicle = Vehicle {
+    let uncertainty = Uncertainty {
+        yaw_inertia: 0.12,
+        rear_cornering_stiffness: 0.09,
+        steering_ratio: 0.05,
+        steering_offset_rad: 0.01,
+        yaw_rate_bias_rad_per_s: 0.02,
+        v_x_scale: 0.03,
+        ..STATED
+    };
+    // So high that no fault is taken in.
+    let estimator = Estimator { threshold: 1e9, estimate_factor: 2.0, noise };
+    let mut told = common::told(uncertainty, Some(estimator));
+    told.model.sampling_period_s = period_s;
+    told.model.vehicle = Vehicle {
         lateral_drag_n_s2_per_m2: 450.0,
         longitudinal_drag_n_m_s2_per_m2: 3.0,
         centre_of_gravity_height_m: 0.0,
         ..Vehicle::PAPER
     };
-    let uncertainty = Uncertainty {
-        mass: 0.11,
-        yaw_inertia: 0.12,
-        front_cornering_stiffness: 0.1,
-        rear_cornering_stiffness: 0.09,
-        bank_m_per_s2: 0.51,
-        gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
-        steering_ratio: 0.05,
-        steering_offset_rad: 0.01,
-        yaw_rate_bias_rad_per_s: 0.02,
-        v_x_scale: 0.03,
-        ..Uncertainty::NONE
-    };
-    Configuration {
-        evaluation: Evaluation { threshold: 1e6, ..plain.evaluation },
-        deviations: Deviations { uncertainty, ..plain.deviations },
-        // So high that no fault is taken in.
-        estimator: Some(Estimator { threshold: 1e9, estimate_factor: 2.0, noise }),
-        ..plain
-    }
+    told
+}
+
+/// What is stated of each state, and of the gust this; motion has no bound.
+fn bounds(u: &Uncertainty, gust: f64) -> [f64; STATES] {
+    [
+        0.0,
+        0.0,
+        0.0,
+        u.bank_m_per_s2,
+        gust,
+        u.mass,
+        u.yaw_inertia,
+        u.front_cornering_stiffness,
+        u.rear_cornering_stiffness,
+        u.steering_ratio,
+        u.steering_offset_rad,
+        u.yaw_rate_bias_rad_per_s,
+        u.v_x_scale,
+    ]
 }
 
 /// What X shows.
@@ -236,7 +247,7 @@ fn a_measurement_counts_by_its_covariance() {
 fn covariances_go_on_as_errors_do_and_noise_adds() {
     let period_s = 0.01;
     let told = told(period_s, BLIND);
-    let bounds = told.deviations.uncertainty;
+    let u = told.deviations.uncertainty;
     let v = told.model.vehicle;
     // Axle forces at X.
     let [v_x, v_y, r] = [X[0], X[1], X[2]];
@@ -251,7 +262,7 @@ fn covariances_go_on_as_errors_do_and_noise_adds() {
     };
     let (mass, inertia) = (v.mass_kg * (1.0 + X[5]), v.yaw_inertia_kg_m2 * (1.0 + X[6]));
     let (to_front, to_rear) = (v.front_axle_distance_m / inertia, v.rear_axle_distance_m / inertia);
-    let gust = bounds.gust.side_force(v_x) / v.mass_kg;
+    let gust = u.gust.side_force(v_x) / v.mass_kg;
     let mut expected = [[0.0; STATES]; STATES];
     expected[0][0] = 0.03 * 0.03;
     expected[1][1] = 0.03 * 0.03 + variance(1.0 / mass, 1.0 / mass);
@@ -259,20 +270,10 @@ fn covariances_go_on_as_errors_do_and_noise_adds() {
     let both = [front * front * to_front, -rear * rear * to_rear].map(|x| 0.02 * 0.02 * x / mass);
     expected[1][2] = both[0] + both[1];
     expected[2][1] = expected[1][2];
-    expected[3][3] = bounds.bank_m_per_s2.powi(2);
+    expected[3][3] = u.bank_m_per_s2.powi(2);
     expected[4][4] = gust * gust * 2.0 / 0.5;
-    let walks = [
-        bounds.mass,
-        bounds.yaw_inertia,
-        bounds.front_cornering_stiffness,
-        bounds.rear_cornering_stiffness,
-        bounds.steering_ratio,
-        bounds.steering_offset_rad,
-        bounds.yaw_rate_bias_rad_per_s,
-        bounds.v_x_scale,
-    ];
-    for (k, bound) in walks.into_iter().enumerate() {
-        expected[5 + k][5 + k] = (0.017 * bound).powi(2);
+    for (k, bound) in bounds(&u, gust).into_iter().enumerate().skip(5) {
+        expected[k][k] = (0.017 * bound).powi(2);
     }
 
     let (columns, _) = transition(&told);
@@ -357,18 +358,7 @@ fn no_more_is_unknown_than_at_first() {
     let told = told(1e-9, BLIND);
     let u = told.deviations.uncertainty;
     let gust = u.gust.side_force(X[0]) / told.model.vehicle.mass_kg;
-    let bounds = [
-        u.bank_m_per_s2,
-        gust,
-        u.mass,
-        u.yaw_inertia,
-        u.front_cornering_stiffness,
-        u.rear_cornering_stiffness,
-        u.steering_ratio,
-        u.steering_offset_rad,
-        u.yaw_rate_bias_rad_per_s,
-        u.v_x_scale,
-    ];
+    let bounds = bounds(&u, gust);
     let mut p = covariance(0.0).map(|row| row.map(|x| 1e6 * x));
     // One that is known better stays, and so does what it has in common with states that have no bound.
     for row in &mut p {
@@ -378,7 +368,7 @@ fn no_more_is_unknown_than_at_first() {
     let after = sampled(&told, p, shown(&X), |_| {}).filter.p;
     let factor = |k: usize| match k {
         0..3 => 1.0,
-        _ => f64::min(1.0, bounds[k - 3] / p[k][k].sqrt()),
+        _ => f64::min(1.0, bounds[k] / p[k][k].sqrt()),
     };
     assert!(factor(5) == 1.0 && factor(6) < 1.0);
     for i in 0..STATES {
@@ -514,21 +504,7 @@ fn before_the_first_start_only_the_specification_is_known() {
     let Filter { x, p } = detector.state().filter;
     assert_eq!(x, [0.0; STATES]);
     // Motion and gust are known by the first measurement.
-    let bounds = [
-        0.0,
-        0.0,
-        0.0,
-        u.bank_m_per_s2,
-        0.0,
-        u.mass,
-        u.yaw_inertia,
-        u.front_cornering_stiffness,
-        u.rear_cornering_stiffness,
-        u.steering_ratio,
-        u.steering_offset_rad,
-        u.yaw_rate_bias_rad_per_s,
-        u.v_x_scale,
-    ];
+    let bounds = bounds(&u, 0.0);
     for (i, row) in p.iter().enumerate() {
         for (j, found) in row.iter().enumerate() {
             let expected = if i == j { bounds[i] * bounds[i] } else { 0.0 };

@@ -4,18 +4,17 @@
 
 mod common;
 
-use common::{configuration, u, y};
+use common::{STATED, u, y};
 use steerguard_detector::{
-    AlarmCause, Configuration, Detector, Deviations, EXPLANATIONS, Estimator, Evaluation,
-    FaultEstimate, FaultHypothesis, Filter, Gust, Hypothesis, Input, Measurement, Onsets, Output,
-    STATES, Signature, State, Uncertainty, Vehicle,
+    AlarmCause, Configuration, Detector, EXPLANATIONS, Estimator, FaultEstimate, FaultHypothesis,
+    Filter, Gust, Hypothesis, Input, Measurement, Onsets, Output, STATES, Signature, State,
+    Vehicle,
 };
 
 const THRESHOLD: f64 = 3.0;
 const ESTIMATE_FACTOR: f64 = 2.0;
-const BANK: f64 = 0.51;
-const GUST: Gust =
-    Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 };
+const BANK: f64 = STATED.bank_m_per_s2;
+const GUST: Gust = STATED.gust;
 const V_X: f64 = 20.0;
 /// Samples before the one that is looked at.
 const SAMPLES: u64 = 2000;
@@ -35,27 +34,9 @@ const CLEAR_FOR: u64 = 10;
 const KNOWN_FOR: u64 = 1000;
 
 fn told() -> Configuration {
-    let plain = configuration();
-    let uncertainty = Uncertainty {
-        mass: 0.11,
-        yaw_inertia: 0.11,
-        front_cornering_stiffness: 0.1,
-        rear_cornering_stiffness: 0.1,
-        bank_m_per_s2: BANK,
-        gust: GUST,
-        ..Uncertainty::NONE
-    };
-    Configuration {
-        // The residual raises no alarm.
-        evaluation: Evaluation { threshold: 1e6, ..plain.evaluation },
-        deviations: Deviations { uncertainty, ..plain.deviations },
-        estimator: Some(Estimator {
-            threshold: THRESHOLD,
-            estimate_factor: ESTIMATE_FACTOR,
-            noise: [0.02, 0.002],
-        }),
-        ..plain
-    }
+    let estimator =
+        Estimator { threshold: THRESHOLD, estimate_factor: ESTIMATE_FACTOR, noise: [0.02, 0.002] };
+    common::told(STATED, Some(estimator))
 }
 
 fn straight() -> (Measurement, Input) {

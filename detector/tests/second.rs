@@ -4,11 +4,11 @@
 
 mod common;
 
-use common::{configuration, u, y};
+use common::{STATED, u, y};
 use proptest::prelude::*;
 use steerguard_detector::{
-    AlarmCause, Configuration, Detector, Estimator, Evaluation, FaultHypothesis, Gust, Input,
-    Measurement, Output, Uncertainty, Vehicle, VehicleState,
+    AlarmCause, Configuration, Detector, Estimator, FaultHypothesis, Input, Measurement, Output,
+    Uncertainty, Vehicle, VehicleState,
 };
 
 const NOISE: [f64; 2] = [0.02, 0.002];
@@ -17,23 +17,7 @@ const STEPS: u32 = 10;
 
 /// A detector whose residual raises no alarm, with the second test or without.
 fn told(estimator: Option<Estimator>) -> Configuration {
-    let plain = configuration();
-    let uncertainty = Uncertainty {
-        mass: 0.11,
-        yaw_inertia: 0.11,
-        front_cornering_stiffness: 0.1,
-        rear_cornering_stiffness: 0.1,
-        friction: Some(1.0),
-        bank_m_per_s2: 0.51,
-        gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
-        ..Uncertainty::NONE
-    };
-    Configuration {
-        evaluation: Evaluation { threshold: 1e6, ..plain.evaluation },
-        deviations: steerguard_detector::Deviations { uncertainty, ..plain.deviations },
-        estimator,
-        ..plain
-    }
+    common::told(Uncertainty { friction: Some(1.0), ..STATED }, estimator)
 }
 
 const ESTIMATOR: Estimator = Estimator { threshold: 3.0, estimate_factor: 2.0, noise: NOISE };

@@ -5,23 +5,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod common;
+
+use common::{GAP, GUARANTEED, NOISE, PAPER, parsed};
 use serde_json::{Value, json};
 use steerguard_verify::{FORMAT, Family, Refusal, Status, Verdict, content_hash, verify};
-
-/// One disturbance, no noise; gains of a synthesis.
-const PAPER: &str = include_str!("fixtures/paper.json");
-/// The default specification; gains of a search.
-const GAP: &str = include_str!("fixtures/gap.json");
-/// Side wind and speed noise in a low band, yaw moment and yaw-rate noise in the full one; two
-/// faults; weights.
-const NOISE: &str = include_str!("fixtures/noise.json");
-
-/// A guaranteed threshold, with side wind and bounded noise of both sensors.
-const GUARANTEED: &str = include_str!("fixtures/guaranteed.json");
-
-fn parsed(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 fn verified(design: &Value) -> Result<Verdict, Refusal> {
     verify(&design.to_string())

@@ -2,17 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::{GAP, GUARANTEED, NOISE, PAPER, parsed};
 use serde_json::{Value, json};
 use steerguard_verify::{Verdict, content_hash, verify};
-
-const PAPER: &str = include_str!("fixtures/paper.json");
-const GAP: &str = include_str!("fixtures/gap.json");
-const NOISE: &str = include_str!("fixtures/noise.json");
-const GUARANTEED: &str = include_str!("fixtures/guaranteed.json");
-
-fn parsed(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 /// How many of the lines contain every part.
 fn with(lines: &[String], parts: &[&str]) -> usize {

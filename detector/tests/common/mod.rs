@@ -1,8 +1,21 @@
 //! A detector's numbers that need no solver.
 
+#![allow(dead_code, reason = "not every test needs all")]
+
 use steerguard_detector::{
-    Actuator, Configuration, Deviations, Evaluation, Gains, Input, Measurement, Staleness, TsModel,
-    Zero,
+    Actuator, Configuration, Deviations, Estimator, Evaluation, Gains, Gust, Input, Measurement,
+    Staleness, TsModel, Uncertainty, Zero,
+};
+
+/// What is stated of vehicle, road and wind where nothing else is.
+pub const STATED: Uncertainty = Uncertainty {
+    mass: 0.11,
+    yaw_inertia: 0.11,
+    front_cornering_stiffness: 0.1,
+    rear_cornering_stiffness: 0.1,
+    bank_m_per_s2: 0.51,
+    gust: Gust { speed_m_per_s: 10.0, coefficient_n_s2_per_m2: 2.64, acting_ahead_m: 0.25 },
+    ..Uncertainty::NONE
 };
 
 /// A measurement in m/s and rad/s.
@@ -49,5 +62,16 @@ pub fn configuration() -> Configuration {
         zero: Zero::default(),
         staleness: Staleness::NEVER,
         estimator: None,
+    }
+}
+
+/// The same told what is uncertain, with the second test or without; its residual raises no alarm.
+pub fn told(uncertainty: Uncertainty, estimator: Option<Estimator>) -> Configuration {
+    let plain = configuration();
+    Configuration {
+        evaluation: Evaluation { threshold: 1e6, ..plain.evaluation },
+        deviations: Deviations { uncertainty, ..plain.deviations },
+        estimator,
+        ..plain
     }
 }
