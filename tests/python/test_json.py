@@ -128,5 +128,6 @@ def test_the_page_has_the_injected_faults_one_by_one(steerguard, fixtures, folde
     assert len(drive["injected"]) == 2
     for fault in drive["injected"]:
         # Verdict beside the size: a phone shows no more than the first columns.
-        cells = [fault["kind"], f"{fault['angle_deg']:+g} deg", fault["verdict"]]
+        numbers = [f"{fault['delay_s']:.2f}", fault["cause"], "5.0", f"{fault['largest_ratio']:.2f}"]
+        cells = [fault["kind"], f"{fault['angle_deg']:+g} deg", fault["verdict"], *numbers, "drive.csv"]
         assert "".join(f"<td>{cell}</td>" for cell in cells) in text
