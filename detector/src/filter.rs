@@ -40,6 +40,8 @@ const BANK_WALK: f64 = 1.0;
 const WALK: f64 = 0.017;
 /// Noise of `dx/dt`, m/s^2 and rad/s^2 per root of Hz.
 const SLOPE_NOISE: f64 = 0.03;
+/// Noise of `dv_x/dt`, m/s^2 per root of Hz.
+const LONGITUDINAL_NOISE: f64 = 0.3;
 /// Noise of the axle forces, relative, per root of Hz.
 const FORCE_NOISE: f64 = 0.02;
 /// The wind's random walk, over that of the fastest gust: the variance of twice that in this time, s.
@@ -300,8 +302,9 @@ impl Kalman {
         let [v_x, v_y, r] = [x[0].max(0.1), x[1], x[2]];
         let gust = self.gust_deviation(v_x);
         self.cap(p, gust);
-        for error in x.iter_mut().skip(MASS).take(RATIO - MASS + 1) {
-            *error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
+        for (k, (x, bound)) in x.iter_mut().zip(&self.deviations).enumerate().skip(BANK) {
+            let bound = if k == GUST { gust } else { *bound };
+            *x = x.max(-bound).min(bound);
         }
 
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
@@ -319,11 +322,12 @@ impl Kalman {
         let front = c_f * (delta_rad - (v_y + l_f * r) / v_x);
         let rear = c_r * (l_r * r - v_y) / v_x;
         let drag = c_y * v_y * v_y;
+        let across_n = front + rear - drag;
         let moment = l_f * front - l_r * rear;
         let turned_by_gust = self.gust.acting_ahead_m * v.mass_kg / v.yaw_inertia_kg_m2;
         let slope = [
             longitudinal + v_y * r,
-            (front + rear - drag) * lightness - v_x * r + x[BANK] + x[GUST],
+            across_n * lightness - v_x * r + x[BANK] + x[GUST],
             moment * nimbleness + turned_by_gust * x[GUST],
         ];
 
@@ -332,6 +336,24 @@ impl Kalman {
         let (front_by_v_x, rear_by_v_x) =
             (c_f * (v_y + l_f * r) / (v_x * v_x), c_r * (v_y - l_r * r) / (v_x * v_x));
         let moment_by_v_y = (l_r * c_r - l_f * c_f) / v_x;
+        let variance = |by_v_y: f64, by_r: f64| {
+            (by_v_y * by_v_y * p[1][1] + 2.0 * by_v_y * by_r * p[1][2] + by_r * by_r * p[2][2]).max(0.0)
+                / (v_x * v_x)
+        };
+        let forces = [across_n, front, rear, moment];
+        let variances = [
+            variance(c_f + c_r, l_f * c_f - l_r * c_r),
+            variance(c_f, l_f * c_f),
+            variance(c_r, -l_r * c_r),
+            variance(l_f * c_f - l_r * c_r, l_f * l_f * c_f + l_r * l_r * c_r),
+        ];
+        let mut known = [0.0; 4];
+        for ((known, force), variance) in known.iter_mut().zip(forces).zip(variances) {
+            let square = force * force;
+            if square > variance {
+                *known = 1.0 - variance / square;
+            }
+        }
         let mut a = [[0.0; STATES]; 3];
         [a[0][0], a[0][1], a[0][2]] = [-2.0 * c_x * v_x * quickness, r, v_y];
         a[0][MASS] = -longitudinal / errors[0];
@@ -339,16 +361,16 @@ impl Kalman {
         a[1][1] = (-(c_f + c_r) / v_x - 2.0 * c_y * v_y) * lightness;
         a[1][2] = moment_by_v_y * lightness - v_x;
         [a[1][BANK], a[1][GUST]] = [1.0, 1.0];
-        a[1][MASS] = -(front + rear - drag) * lightness / errors[0];
-        a[1][FRONT] = front * lightness / errors[2];
-        a[1][REAR] = rear * lightness / errors[3];
+        a[1][MASS] = -across_n * known[0] * lightness / errors[0];
+        a[1][FRONT] = front * known[1] * lightness / errors[2];
+        a[1][REAR] = rear * known[2] * lightness / errors[3];
         a[2][0] = (l_f * front_by_v_x - l_r * rear_by_v_x) * nimbleness;
         a[2][1] = moment_by_v_y * nimbleness;
         a[2][2] = -(l_f * l_f * c_f + l_r * l_r * c_r) / v_x * nimbleness;
         a[2][GUST] = turned_by_gust;
-        a[2][YAW_INERTIA] = -moment * nimbleness / errors[1];
-        a[2][FRONT] = l_f * front * nimbleness / errors[2];
-        a[2][REAR] = -l_r * rear * nimbleness / errors[3];
+        a[2][YAW_INERTIA] = -moment * known[3] * nimbleness / errors[1];
+        a[2][FRONT] = l_f * front * known[1] * nimbleness / errors[2];
+        a[2][REAR] = -l_r * rear * known[2] * nimbleness / errors[3];
         for (row, of_steering) in a.iter_mut().zip(of_steering) {
             [row[RATIO], row[OFFSET]] = [of_steering * u.delta_rad, of_steering];
         }
@@ -389,24 +411,27 @@ impl Kalman {
         }
 
         // What is not modelled.
-        let uncertain = |force: f64, load: f64, held: f64| {
+        let uncertain = |force: f64, load: f64, held: f64, unknown: f64| {
             // Force and load go together: the share that is missing is that at rest.
             let saturated = force * deficit(force / (load * held));
             let transferred = self.load_transfer * (load - 1.0) * force;
             let noise = FORCE_NOISE * force;
             let lasting = magnitude(saturated) + magnitude(transferred);
-            noise * noise + lasting * lasting
+            noise * noise + lasting * lasting + unknown
         };
         let behind = c_f * slowest_behind_rad;
         let [front_held, rear_held] = self.held_n;
-        let front = uncertain(front, front_load, front_held) + behind * behind;
-        let rear = uncertain(rear, rear_load, rear_held);
+        let front = uncertain(front, front_load, front_held, p[FRONT][FRONT] * variances[1]) + behind * behind;
+        let rear = uncertain(rear, rear_load, rear_held, p[REAR][REAR] * variances[2]);
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
         let across = (l_f * front - l_r * rear) * lightness * nimbleness;
         let bank = BANK_WALK * self.deviations[BANK];
-        p[0][0] += t * slopes;
-        p[1][1] += t * (slopes + (front + rear) * lightness * lightness);
-        p[2][2] += t * (slopes + (l_f * l_f * front + l_r * l_r * rear) * nimbleness * nimbleness);
+        p[0][0] += t * LONGITUDINAL_NOISE * LONGITUDINAL_NOISE;
+        let of_mass = p[MASS][MASS] * variances[0];
+        let of_inertia = p[YAW_INERTIA][YAW_INERTIA] * variances[3];
+        p[1][1] += t * (slopes + (front + rear + of_mass) * lightness * lightness);
+        p[2][2] += t
+            * (slopes + (l_f * l_f * front + l_r * l_r * rear + of_inertia) * nimbleness * nimbleness);
         p[1][2] += t * across;
         p[2][1] += t * across;
         p[BANK][BANK] += t * bank * bank;
