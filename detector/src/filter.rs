@@ -6,7 +6,10 @@
 //!   and rear stiffness; rho that of the steering ratio, o the steering offset, rad, beta the bias of the
 //!   yaw-rate sensor, rad/s, sigma the relative error of the measured speed. The last four are zero unless
 //!   one of them is stated.
-//! - A bound that is stated counts as a standard deviation.
+//! - A bound that is stated counts as a standard deviation, and no estimate goes beyond it.
+//! - What a parameter does is in proportion to a force or moment F, which the filter knows to a variance Var F only.
+//!   Phi has the share `1 - Var F / F^2` of it, none where that is negative: from what is but noise of the measurement
+//!   in F nothing is learned. What is left, Var F times the parameter's variance, is noise that lasts.
 //! - The mean and the fault move by `T_s (I + T_s A / 2 + (T_s A)^2 / 6)` times the slope, and `Phi = I +`
 //!   the same times A: 3 rows, since the other states stay as they are.
 //! - Covariances are symmetric to the last bit: each entry is the same products in the same order as its
@@ -35,21 +38,19 @@ const YAW_RATE_BIAS: usize = 11;
 const SPEED_SCALE: usize = 12;
 
 /// The bank's random walk, over its bound, per root of s.
-const BANK_WALK: f64 = 1.0;
+const BANK_WALK: f64 = 2.0;
 /// Random walk of what else is stated by its bound, over the bound, per root of s.
 const WALK: f64 = 0.017;
-/// Noise of `dx/dt`, m/s^2 and rad/s^2 per root of Hz.
+/// Noise of `dv_y/dt` and `dr/dt`, m/s^2 and rad/s^2 per root of Hz.
 const SLOPE_NOISE: f64 = 0.03;
-/// Noise of `dv_x/dt`, m/s^2 per root of Hz.
-const LONGITUDINAL_NOISE: f64 = 0.3;
+/// That of `dv_x/dt`, which grade, gears and tyres that steer add to, m/s^2 per root of Hz.
+const LONGITUDINAL_NOISE: f64 = 0.1;
 /// Noise of the axle forces, relative, per root of Hz.
 const FORCE_NOISE: f64 = 0.02;
 /// The wind's random walk, over that of the fastest gust: the variance of twice that in this time, s.
 const GUST_S: f64 = 0.5;
 /// Standard deviation of the lateral speed at a start, m/s.
 const INITIAL_V_Y: f64 = 1.0;
-/// Largest relative error of a parameter, whatever the innovations say.
-const LARGEST_ERROR: f64 = 0.5;
 /// A filter whose innovation is this many standard deviations is lost: a wheel that turns by 20 degrees at
 /// once makes 80 of them.
 const LOST: f64 = 200.0;
@@ -322,12 +323,13 @@ impl Kalman {
         let front = c_f * (delta_rad - (v_y + l_f * r) / v_x);
         let rear = c_r * (l_r * r - v_y) / v_x;
         let drag = c_y * v_y * v_y;
-        let across_n = front + rear - drag;
+        let across = front + rear - drag;
         let moment = l_f * front - l_r * rear;
+        let turning = l_f * c_f - l_r * c_r;
         let turned_by_gust = self.gust.acting_ahead_m * v.mass_kg / v.yaw_inertia_kg_m2;
         let slope = [
             longitudinal + v_y * r,
-            across_n * lightness - v_x * r + x[BANK] + x[GUST],
+            across * lightness - v_x * r + x[BANK] + x[GUST],
             moment * nimbleness + turned_by_gust * x[GUST],
         ];
 
@@ -335,25 +337,26 @@ impl Kalman {
         let of_steering = [0.0, c_f * lightness, l_f * c_f * nimbleness];
         let (front_by_v_x, rear_by_v_x) =
             (c_f * (v_y + l_f * r) / (v_x * v_x), c_r * (v_y - l_r * r) / (v_x * v_x));
-        let moment_by_v_y = (l_r * c_r - l_f * c_f) / v_x;
+        let moment_by_v_y = -turning / v_x;
+        // Of forces and moment, of all but the parameters.
         let variance = |by_v_y: f64, by_r: f64| {
-            (by_v_y * by_v_y * p[1][1] + 2.0 * by_v_y * by_r * p[1][2] + by_r * by_r * p[2][2]).max(0.0)
-                / (v_x * v_x)
+            let of_both = 2.0 * by_v_y * by_r * p[1][2];
+            let variance = by_v_y * by_v_y * p[1][1] + of_both + by_r * by_r * p[2][2];
+            variance.max(0.0) / (v_x * v_x)
         };
-        let forces = [across_n, front, rear, moment];
-        let variances = [
-            variance(c_f + c_r, l_f * c_f - l_r * c_r),
+        let unknown = [
+            variance(c_f + c_r, turning),
+            variance(turning, l_f * l_f * c_f + l_r * l_r * c_r),
             variance(c_f, l_f * c_f),
             variance(c_r, -l_r * c_r),
-            variance(l_f * c_f - l_r * c_r, l_f * l_f * c_f + l_r * l_r * c_r),
         ];
-        let mut known = [0.0; 4];
-        for ((known, force), variance) in known.iter_mut().zip(forces).zip(variances) {
-            let square = force * force;
-            if square > variance {
-                *known = 1.0 - variance / square;
-            }
+        let mut known = [across, moment, front, rear];
+        for (known, variance) in known.iter_mut().zip(unknown) {
+            let square = *known * *known;
+            *known *= if square > variance { 1.0 - variance / square } else { 0.0 };
         }
+        let [of_mass, of_inertia, of_front, of_rear] = known;
+
         let mut a = [[0.0; STATES]; 3];
         [a[0][0], a[0][1], a[0][2]] = [-2.0 * c_x * v_x * quickness, r, v_y];
         a[0][MASS] = -longitudinal / errors[0];
@@ -361,16 +364,16 @@ impl Kalman {
         a[1][1] = (-(c_f + c_r) / v_x - 2.0 * c_y * v_y) * lightness;
         a[1][2] = moment_by_v_y * lightness - v_x;
         [a[1][BANK], a[1][GUST]] = [1.0, 1.0];
-        a[1][MASS] = -across_n * known[0] * lightness / errors[0];
-        a[1][FRONT] = front * known[1] * lightness / errors[2];
-        a[1][REAR] = rear * known[2] * lightness / errors[3];
+        a[1][MASS] = -of_mass * lightness / errors[0];
+        a[1][FRONT] = of_front * lightness / errors[2];
+        a[1][REAR] = of_rear * lightness / errors[3];
         a[2][0] = (l_f * front_by_v_x - l_r * rear_by_v_x) * nimbleness;
         a[2][1] = moment_by_v_y * nimbleness;
         a[2][2] = -(l_f * l_f * c_f + l_r * l_r * c_r) / v_x * nimbleness;
         a[2][GUST] = turned_by_gust;
-        a[2][YAW_INERTIA] = -moment * known[3] * nimbleness / errors[1];
-        a[2][FRONT] = l_f * front * known[1] * nimbleness / errors[2];
-        a[2][REAR] = -l_r * rear * known[2] * nimbleness / errors[3];
+        a[2][YAW_INERTIA] = -of_inertia * nimbleness / errors[1];
+        a[2][FRONT] = l_f * of_front * nimbleness / errors[2];
+        a[2][REAR] = -l_r * of_rear * nimbleness / errors[3];
         for (row, of_steering) in a.iter_mut().zip(of_steering) {
             [row[RATIO], row[OFFSET]] = [of_steering * u.delta_rad, of_steering];
         }
@@ -411,29 +414,34 @@ impl Kalman {
         }
 
         // What is not modelled.
-        let uncertain = |force: f64, load: f64, held: f64, unknown: f64| {
+        let [of_mass, of_inertia, of_front, of_rear] = {
+            let mut products = unknown;
+            for ((k, product), row) in products.iter_mut().enumerate().zip(p.iter().skip(MASS)) {
+                *product *= row.get(MASS + k).copied().unwrap_or(0.0);
+            }
+            products
+        };
+        let uncertain = |force: f64, load: f64, held: f64| {
             // Force and load go together: the share that is missing is that at rest.
             let saturated = force * deficit(force / (load * held));
             let transferred = self.load_transfer * (load - 1.0) * force;
             let noise = FORCE_NOISE * force;
             let lasting = magnitude(saturated) + magnitude(transferred);
-            noise * noise + lasting * lasting + unknown
+            noise * noise + lasting * lasting
         };
         let behind = c_f * slowest_behind_rad;
         let [front_held, rear_held] = self.held_n;
-        let front = uncertain(front, front_load, front_held, p[FRONT][FRONT] * variances[1]) + behind * behind;
-        let rear = uncertain(rear, rear_load, rear_held, p[REAR][REAR] * variances[2]);
+        let front = uncertain(front, front_load, front_held) + of_front + behind * behind;
+        let rear = uncertain(rear, rear_load, rear_held) + of_rear;
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
-        let across = (l_f * front - l_r * rear) * lightness * nimbleness;
+        let both = (l_f * front - l_r * rear) * lightness * nimbleness;
         let bank = BANK_WALK * self.deviations[BANK];
         p[0][0] += t * LONGITUDINAL_NOISE * LONGITUDINAL_NOISE;
-        let of_mass = p[MASS][MASS] * variances[0];
-        let of_inertia = p[YAW_INERTIA][YAW_INERTIA] * variances[3];
+        let turned = l_f * l_f * front + l_r * l_r * rear + of_inertia;
         p[1][1] += t * (slopes + (front + rear + of_mass) * lightness * lightness);
-        p[2][2] += t
-            * (slopes + (l_f * l_f * front + l_r * l_r * rear + of_inertia) * nimbleness * nimbleness);
-        p[1][2] += t * across;
-        p[2][1] += t * across;
+        p[2][2] += t * (slopes + turned * nimbleness * nimbleness);
+        p[1][2] += t * both;
+        p[2][1] += t * both;
         p[BANK][BANK] += t * bank * bank;
         p[GUST][GUST] += t * gust * gust * 2.0 / GUST_S;
         for (k, (row, deviation)) in p.iter_mut().zip(&self.deviations).enumerate().skip(MASS) {

@@ -32,17 +32,17 @@ pub const EXPLANATIONS: usize = 3;
 /// Onsets are looked at this far apart, s, or as many samples as come nearest to that.
 const SPACING_S: f64 = 0.05;
 /// Age up to which an onset is looked at, s: what lasts longer road and vehicle may explain.
-const OLDEST_S: f64 = 0.5;
+const OLDEST_S: f64 = 0.2;
 /// Samples at each of which an onset is looked at.
 const YOUNG: u64 = 20;
 /// Time that a fault that was taken in speaks for an alarm, s.
 const KNOWN_FOR_S: f64 = 10.0;
 /// Share of what bank and gust at their bounds look like that the statistic allows for.
-const LOOKS: f64 = 0.2;
+const LOOKS: f64 = 0.3;
 /// Time from the filter's start until onsets are looked at, s: the lateral speed is known then.
 const KNOWN_S: f64 = 0.5;
 /// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
-const SETTLED_S: f64 = 0.3;
+const SETTLED_S: f64 = 0.2;
 /// A fault is taken in sooner at a statistic of this many thresholds, as what a large one does is not linear for long, ...
 const CLEAR: f64 = 3.0;
 /// ... for this long, s: the first samples tell little of its size.

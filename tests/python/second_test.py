@@ -16,16 +16,15 @@ GRAVITY = 9.80665
 V_X, V_Y, R, BANK, GUST, MASS, YAW_INERTIA, FRONT, REAR, RATIO, OFFSET, YAW_RATE_BIAS, SPEED_SCALE = range(13)
 STATES = 13
 LEARNED = [BANK, *range(MASS, STATES)]  # kept through a start
-BANK_WALK, WALK = 1.0, 0.017  # of a bound, which counts as a standard deviation, per root of s
+BANK_WALK, WALK = 2.0, 0.017  # of a bound, which counts as a standard deviation, per root of s
 GUST_S = 0.5  # in which the gust walks by root 2 of its bound
-SLOPE_NOISE, FORCE_NOISE = 0.03, 0.02
+SLOPE_NOISE, FORCE_NOISE = np.array([0.1, 0.03, 0.03]), 0.02
 INITIAL_V_Y = 1.0
-LARGEST_ERROR = 0.5
 LOST, LOST_V_Y, LOST_R = 200.0, 50.0, 20.0
-SPACING_S, OLDEST_S = 0.05, 0.5
+SPACING_S, OLDEST_S = 0.05, 0.2
 KNOWN_FOR_S = 10.0
-LOOKS = 0.2  # of what bank and gust at their bounds look like
-KNOWN_S, SETTLED_S = 0.5, 0.3
+LOOKS = 0.3  # of what bank and gust at their bounds look like
+KNOWN_S, SETTLED_S = 0.5, 0.2
 CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
 CLEAR_S = 0.1
 MISTAKEN = 0.5  # share of a fault that the filter may take for road and vehicle
@@ -194,7 +193,7 @@ class SecondTest:
     def _predict(self, u, behind):
         v, q, t = self.vehicle, self.uncertainty, self.period
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
-        # No more is unknown than at first, and no parameter is off by more than half.
+        # No more is unknown than at first, and nothing is off by more than is stated.
         variances = np.diag(self.P)
         scale = np.ones(STATES)
         largest = self.deviations**2
@@ -202,7 +201,8 @@ class SecondTest:
         excess = (np.arange(STATES) >= BANK) & (variances > largest)
         scale[excess] = np.sqrt(largest[excess] / variances[excess])
         self.P = self.P * np.outer(scale, scale)
-        self.x[MASS:OFFSET] = np.clip(self.x[MASS:OFFSET], -LARGEST_ERROR, LARGEST_ERROR)
+        bounds = np.sqrt(largest)[BANK:]
+        self.x[BANK:] = np.clip(self.x[BANK:], -bounds, bounds)
 
         drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * max(self.x[V_X], 0.1) ** 2
         a_x = drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + self.x[MASS]))
@@ -214,19 +214,24 @@ class SecondTest:
             step = x.astype(complex)
             step[k] += 1e-30j
             A[:, k] = self.slope(step, u, held, loads).imag / 1e-30
+        forces = self.axle_forces(x, u[1], loads)
+        forces[0] += 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * held
+        unknown = self.unknown_forces(x, loads)
+        # Of a parameter's column the share that its force is known to: of the sum, the moment, front and rear.
+        sums = [sum(forces) - v["lateral_drag_n_s2_per_m2"] * x[V_Y] ** 2, l_f * forces[0] - l_r * forces[1], *forces]
+        for k, force, variance in zip([MASS, YAW_INERTIA, FRONT, REAR], sums, unknown):
+            A[1:, k] *= 1 - variance / force**2 if force**2 > variance else 0.0
         by_fault = self.slope(x.astype(complex), u, held + 1e-30j, loads).imag / 1e-30
         # The filter's steering offset and a fault act alike but for what the filter takes them for.
         F = t * A[:, :3]
         over = t * (np.eye(3) + F / 2 + F @ F / 6)
         Phi = np.eye(STATES)
         Phi[:3] += over @ A
-        forces = self.axle_forces(x, u[1], loads)
-        forces[0] += 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * held
         self.x = x.copy()
         self.x[:3] += over @ self.slope(x, u, held, loads)
         self.P = Phi @ self.P @ Phi.T
         self.P = (self.P + self.P.T) / 2
-        self.P += self._noise(x, forces, loads, behind)
+        self.P += self._noise(x, forces, loads, behind, unknown)
 
         self.samples += 1
         explained = [self.explained(k) for k in range(3)]
@@ -256,7 +261,16 @@ class SecondTest:
             return UNDECIDED
         return [STEERING, YAW_RATE_SENSOR, SPEED_SENSOR][int(np.argmax(most))]
 
-    def _noise(self, x, forces, loads, behind):
+    def unknown_forces(self, x, loads):
+        """Variances of the axle forces' sum and moment, and of the front and the rear force, by those of v_y and r."""
+        v = self.vehicle
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        front = -2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * np.array([1, l_f])
+        rear = -2 * v["rear_cornering_stiffness_n_per_rad"] * loads[1] * (1 + x[REAR]) * np.array([1, -l_r])
+        by_state = np.array([front + rear, l_f * front - l_r * rear, front, rear]) / max(x[V_X], 0.1)
+        return np.diag(by_state @ self.P[V_Y : R + 1, V_Y : R + 1] @ by_state.T)
+
+    def _noise(self, x, forces, loads, behind, unknown):
         v, q, t = self.vehicle, self.uncertainty, self.period
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
         mass, inertia = v["mass_kg"] * (1 + x[MASS]), v["yaw_inertia_kg_m2"] * (1 + x[YAW_INERTIA])
@@ -269,9 +283,14 @@ class SecondTest:
             intensities.append((FORCE_NOISE * force) ** 2 + lasting**2)
         stiffness = 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT])
         intensities[0] += (stiffness * behind) ** 2
+        # Products of what is unknown of a force and of its parameter.
+        of_mass, of_inertia, of_front, of_rear = unknown * np.diag(self.P)[MASS : REAR + 1]
+        intensities = [intensities[0] + of_front, intensities[1] + of_rear]
         by_force = np.array([[0, 0], [1 / mass, 1 / mass], [l_f / inertia, -l_r / inertia]])
         Q = np.zeros((STATES, STATES))
-        Q[:3, :3] = t * (SLOPE_NOISE**2 * np.eye(3) + by_force @ np.diag(intensities) @ by_force.T)
+        Q[:3, :3] = t * (np.diag(SLOPE_NOISE**2) + by_force @ np.diag(intensities) @ by_force.T)
+        Q[V_Y, V_Y] += t * of_mass / mass**2
+        Q[R, R] += t * of_inertia / inertia**2
         Q[BANK, BANK] = t * (BANK_WALK * q.bank) ** 2
         Q[GUST, GUST] = t * 2 / GUST_S * self.gust_variance(max(x[V_X], 0.1))
         for k in range(MASS, STATES):

@@ -108,7 +108,8 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
         let recorded = causes.recorded.iter().filter_map(|drive| drive.second);
         let simulated = levels.calibration.level.max(largest(&levels.search));
         let largest = recorded.fold(simulated, f64::max);
-        near("detector.estimator.threshold", estimator.threshold, margin * largest)?;
+        let covered = margin * margin * largest;
+        near("detector.estimator.threshold", estimator.threshold, covered)?;
         let key = "detector.estimator.estimate_factor";
         near(key, estimator.estimate_factor, levels.in_99_of_100)?;
     }
