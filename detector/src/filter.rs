@@ -6,7 +6,8 @@
 //!   and rear stiffness; rho that of the steering ratio, o the steering offset, rad, beta the bias of the
 //!   yaw-rate sensor, rad/s, sigma the relative error of the measured speed. The last four are zero unless
 //!   one of them is stated.
-//! - A bound that is stated counts as a standard deviation, and no estimate goes beyond it.
+//! - A bound that is stated counts as a standard deviation, and no estimate goes beyond it: where a measurement would
+//!   take it there, it takes no error of it any further either.
 //! - What a parameter does is in proportion to a force or moment F, which the filter knows to a variance Var F only.
 //!   Phi has the share `1 - Var F / F^2` of it, none where that is negative: from what is but noise of the measurement
 //!   in F nothing is learned. What is left, Var F times the parameter's variance, is noise that lasts.
@@ -49,6 +50,8 @@ const LONGITUDINAL_NOISE: f64 = 0.1;
 const FORCE_NOISE: f64 = 0.02;
 /// The wind's random walk, over that of the fastest gust: the variance of twice that in this time, s.
 const GUST_S: f64 = 0.5;
+/// Slowest speed, m/s: one that noise has made smaller would count for too much in slip.
+const SLOWEST: f64 = 0.1;
 /// Standard deviation of the lateral speed at a start, m/s.
 const INITIAL_V_Y: f64 = 1.0;
 /// A filter whose innovation is this many standard deviations is lost: a wheel that turns by 20 degrees at
@@ -289,6 +292,7 @@ impl Kalman {
                 add(row, -gain, gains, self.states);
             }
         }
+        self.bound(x, &mut correction);
         Some(correction)
     }
 
@@ -299,14 +303,9 @@ impl Kalman {
         let t = self.period_s;
         let v = &self.vehicle;
         let Filter { x, p } = filter;
-        // Slip, in which a speed that noise has made too small would count for too much.
-        let [v_x, v_y, r] = [x[0].max(0.1), x[1], x[2]];
+        let [v_x, v_y, r] = [x[0].max(SLOWEST), x[1], x[2]];
         let gust = self.gust_deviation(v_x);
         self.cap(p, gust);
-        for (k, (x, bound)) in x.iter_mut().zip(&self.deviations).enumerate().skip(BANK) {
-            let bound = if k == GUST { gust } else { *bound };
-            *x = x.max(-bound).min(bound);
-        }
 
         let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
         let (c_x, c_y) = (v.longitudinal_drag_n_m_s2_per_m2, v.lateral_drag_n_s2_per_m2);
@@ -450,6 +449,21 @@ impl Kalman {
             }
         }
         Transition { phi, of_fault: product(&held, &of_steering) }
+    }
+
+    /// Keeps estimates within what is stated.
+    fn bound(&self, x: &mut [f64; STATES], correction: &mut Correction) {
+        let gust = self.gust_deviation(x[0].max(SLOWEST));
+        let [of_v_x, of_r] = &mut correction.gains;
+        let states = x.iter_mut().zip(of_v_x.iter_mut().zip(of_r)).zip(&self.deviations);
+        for (k, ((x, (of_v_x, of_r)), bound)) in states.enumerate().skip(BANK) {
+            let bound = if k == GUST { gust } else { *bound };
+            let within = x.max(-bound).min(bound);
+            if within != *x {
+                *x = within;
+                [*of_v_x, *of_r] = [0.0; 2];
+            }
+        }
     }
 
     /// Scales covariances so that no more is unknown of bank, parameters and a `gust` than was at first.

@@ -9,8 +9,8 @@
 //!   explains most is `a / c`, of standard deviation `c^-1/2`; the statistic is `|a / c|` over `c^-1/2 + o`,
 //!   o a share of what bank and gust at their bounds look like, which no time makes less.
 //! - An estimate errs by less than a factor times `c^-1/2 + o` where that statistic stays below the factor
-//!   without a fault, as what disturbs it is the same with a fault and without; and by what the filter and tyres
-//!   that slide make of the fault itself. It is that of the likeliest onset of all.
+//!   without a fault, as what disturbs it is the same with a fault and without; and by what tyres that slide
+//!   make less of the fault itself. It is that of the likeliest onset of all.
 //! - What speaks for the steering may be a step of a sensor, which shifts the innovations by `s = d + H eps`,
 //!   `eps+ = Phi (eps - K s)`. What explains more has the larger `a^2 / c`, twice the logarithm of its likelihood
 //!   over that of no fault, and is named where the others explain clearly less. Threshold and estimate are those of
@@ -25,7 +25,7 @@ use crate::{Estimator, Filter, Gust, RELEASE, TsModel, Uncertainty};
 
 /// Onsets that are looked at, at most: those up to [`OLDEST_S`], two thirds of [`SPACING_S`] apart or more; and, to
 /// tell a fault of the steering from one of a sensor, those of the last [`YOUNG`] samples and what explains most.
-pub const HYPOTHESES: usize = 16 + YOUNG as usize + EXPLANATIONS;
+pub const HYPOTHESES: usize = 7 + YOUNG as usize + EXPLANATIONS;
 /// Explanations of a fault: the steering, the yaw-rate sensor, the speed sensor.
 pub const EXPLANATIONS: usize = 3;
 
@@ -47,9 +47,6 @@ const SETTLED_S: f64 = 0.2;
 const CLEAR: f64 = 3.0;
 /// ... for this long, s: the first samples tell little of its size.
 const CLEAR_S: f64 = 0.1;
-/// Share of a fault that the filter may take for road and vehicle before its size is known: what 99 of 100 biases of
-/// up to 2 deg of the default car stay below (method 9).
-const MISTAKEN: f64 = 0.5;
 /// Steps of the iteration for the angle behind a force that friction limits.
 const STEPS: u32 = 4;
 /// No road wheel is off by more, rad: a filter that finds more is lost.
@@ -59,7 +56,7 @@ const CLEARER: f64 = 12.0;
 /// ... and by this share of what it explains: no model is exact.
 const CLEARER_BY: f64 = 0.02;
 /// A fault is over where less than this share of the largest is left.
-const GONE: f64 = 0.15;
+const GONE: f64 = 0.2;
 
 /// What a fault is, as far as that can be told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -348,22 +345,21 @@ impl OnsetTest {
         let disturbed = self.estimate_factor * (libm::sqrt(variance) + onsets.looks_rad);
         Some(FaultEstimate {
             fault_rad,
-            bound_rad: disturbed + self.mistaken_rad(fault_rad),
+            bound_rad: disturbed + self.slid_rad(fault_rad),
             onset: sample.saturating_sub(onsets.samples.saturating_sub(onset)),
             hypothesis: onsets.hypothesis,
         })
     }
 
-    /// By how much a fault may differ from `fault_rad` that it is taken for, rad: what the filter mistakes for road
-    /// and vehicle, and what tyres make less of that slide.
-    fn mistaken_rad(&self, fault_rad: f64) -> f64 {
+    /// By how much a fault may differ from `fault_rad` that it is taken for, rad: what tyres make less of that slide.
+    fn slid_rad(&self, fault_rad: f64) -> f64 {
         let found = magnitude(fault_rad);
         let mut angle = found;
         for _ in 0..STEPS {
             let held = 1.0 - deficit(self.front_over_held * angle);
             angle = (found / held).min(LARGEST_FAULT_RAD);
         }
-        MISTAKEN * found + (angle - found)
+        angle - found
     }
 
     /// Takes in what a measurement has said. Returns whether a fault that the filter knew is over, or the
@@ -454,7 +450,7 @@ impl OnsetTest {
             let Some(onset) = hypothesis.onset else { continue };
             let kept = onset.is_multiple_of(self.spacing)
                 || most_explained.iter().any(|(_, most)| *most == onset);
-            let oldest = if kept { self.oldest } else { YOUNG };
+            let oldest = if kept { self.oldest } else { YOUNG.min(self.oldest) };
             if samples.saturating_sub(onset) > oldest {
                 hypothesis.onset = None;
                 continue;

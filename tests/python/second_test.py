@@ -25,9 +25,8 @@ SPACING_S, OLDEST_S = 0.05, 0.2
 KNOWN_FOR_S = 10.0
 LOOKS = 0.3  # of what bank and gust at their bounds look like
 KNOWN_S, SETTLED_S = 0.5, 0.2
-CLEAR, GONE, RELEASE = 3.0, 0.15, 0.8
+CLEAR, GONE, RELEASE = 3.0, 0.2, 0.8
 CLEAR_S = 0.1
-MISTAKEN = 0.5  # share of a fault that the filter may take for road and vehicle
 STEPS = 4  # of the iteration for the angle behind a force that friction limits
 YOUNG = 20  # samples at each of which an onset is looked at
 CLEARER, CLEARER_BY = 12.0, 0.02
@@ -146,6 +145,12 @@ class SecondTest:
         self.x = self.x + K @ innovation
         self.P = self.P - K @ S @ K.T
         self.P = (self.P + self.P.T) / 2
+        # Nothing is off by more than is stated, and what would take it there takes no error of it any further.
+        bounds = np.where(np.arange(STATES) < BANK, np.inf, self.deviations)
+        bounds[GUST] = np.sqrt(self.gust_variance(max(self.x[V_X], 0.1)))
+        within = np.clip(self.x, -bounds, bounds)
+        K[within != self.x] = 0
+        self.x = within
         for hypothesis in self.hypotheses:
             for k in range(3):
                 s = H @ hypothesis[1][k] + directly[k]
@@ -193,7 +198,7 @@ class SecondTest:
     def _predict(self, u, behind):
         v, q, t = self.vehicle, self.uncertainty, self.period
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
-        # No more is unknown than at first, and nothing is off by more than is stated.
+        # No more is unknown than at first.
         variances = np.diag(self.P)
         scale = np.ones(STATES)
         largest = self.deviations**2
@@ -201,8 +206,6 @@ class SecondTest:
         excess = (np.arange(STATES) >= BANK) & (variances > largest)
         scale[excess] = np.sqrt(largest[excess] / variances[excess])
         self.P = self.P * np.outer(scale, scale)
-        bounds = np.sqrt(largest)[BANK:]
-        self.x[BANK:] = np.clip(self.x[BANK:], -bounds, bounds)
 
         drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * max(self.x[V_X], 0.1) ** 2
         a_x = drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + self.x[MASS]))
@@ -238,7 +241,7 @@ class SecondTest:
         most = {self.hypotheses[int(np.argmax(x))][0] for x in explained if len(x) and max(x) > 0}
         self.hypotheses = [
             h for h in self.hypotheses
-            if self.samples - h[0] <= (self.oldest if self.on_grid(h) or h[0] in most else YOUNG)
+            if self.samples - h[0] <= (self.oldest if self.on_grid(h) or h[0] in most else min(YOUNG, self.oldest))
         ]  # fmt: skip
         for hypothesis in self.hypotheses:
             hypothesis[1] = hypothesis[1] @ Phi.T
@@ -304,8 +307,8 @@ class SecondTest:
         a, c = hypothesis[2][0], hypothesis[3][0]
         return abs(a / c) / (1 / np.sqrt(c) + self.looks)
 
-    def mistaken(self, found):
-        """What filter and tyres that slide may hide of a fault that is found."""
+    def slid(self, found):
+        """What tyres that slide may hide of a fault that is found."""
         v, q = self.vehicle, self.uncertainty
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
         held = q.friction * v["mass_kg"] * GRAVITY * l_r / (l_f + l_r)
@@ -314,7 +317,7 @@ class SecondTest:
             square = (2 * v["front_cornering_stiffness_n_per_rad"] * angle / held) ** 2
             missing = square * (35 + square) / (105 + 45 * square + square**2)
             angle = min(found / (1 - missing), LARGEST_FAULT)
-        return MISTAKEN * found + angle - found
+        return angle - found
 
     def speaks(self, factor):
         known = self.largest > 0 and self.samples - self.held_since <= self.known_for
@@ -333,4 +336,4 @@ class SecondTest:
         elif not known:
             return None
         disturbed = self.estimate_factor * (np.sqrt(variance) + self.looks)
-        return fault, disturbed + self.mistaken(abs(fault)), self.samples - onset, self.hypothesis
+        return fault, disturbed + self.slid(abs(fault)), self.samples - onset, self.hypothesis
