@@ -384,7 +384,12 @@ impl OnsetTest {
         onsets.looks_rad =
             LOOKS * (self.bank_rad + self.by_force_rad_per_n * self.gust.side_force(filter.x[0]));
         onsets.statistic = self.likeliest(onsets, false).map_or(0.0, |(_, statistic)| statistic);
-        let Some(found) = self.found(onsets, factor).copied() else {
+        // What ends a fault that is known needs less than what begins one.
+        let least = if onsets.holds() { factor * RELEASE } else { factor };
+        let counts = |x: &Hypothesis| {
+            self.exceeds(onsets, factor) || x.steering().correlation * onsets.held_rad < 0.0
+        };
+        let Some(found) = self.found(onsets, least).copied().filter(counts) else {
             onsets.clear = 0;
             if !onsets.holds() {
                 onsets.hypothesis = FaultHypothesis::Undecided;

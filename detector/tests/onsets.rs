@@ -333,6 +333,15 @@ fn a_fault_is_over_where_little_of_it_is_left() {
     let bound = THRESHOLD * uncertain;
     assert!(0.2 * 0.03 < 0.9 * bound && bound < 0.02, "{bound}");
     assert!(over(0.03, 0.99 * bound) && !over(0.03, 1.01 * bound));
+    // What ends one needs less than what begins one; what adds to it does not.
+    let taken = |held: f64, statistic: f64| {
+        let (_, state) = judged(|x| {
+            known(x, held, 0.2, SAMPLES - 300);
+            x.hypotheses[0] = onset(35, fault_of(statistic * THRESHOLD));
+        });
+        state.onsets.held_rad != held
+    };
+    assert!(taken(-0.2, 0.81) && !taken(-0.2, 0.79) && !taken(0.2, 0.99) && taken(0.2, 1.01));
     // A first fault is none that ends, however small.
     let (_, state) = judged(|x| x.hypotheses[0] = onset(35, fault_of(1.01 * THRESHOLD)));
     assert!(!forgotten(&state));

@@ -164,7 +164,9 @@ class SecondTest:
         self.statistic = 0.0 if counts is None else self.statistic_of(counts)
         found = self.likeliest(self.hypotheses)
         limit = factor * self.threshold
-        if self.statistic < limit:
+        # What ends a fault that is known needs less than what begins one.
+        ends = found is not None and found[2][0] * self.held < 0
+        if self.statistic < (RELEASE * limit if ends else limit):
             self.clear = 0
             if self.largest == 0:
                 self.hypothesis = UNDECIDED
