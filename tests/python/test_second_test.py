@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import SECOND_TEST
-from second_test import NOT_KNOWN, STEERING, YAW_RATE_SENSOR
+from second_test import NOT_KNOWN, STEERING, UNDECIDED, YAW_RATE_SENSOR
 from signals import INPUTS, OUTPUTS, assert_agree, expected
 
 RECORDED = Path(__file__).parents[1] / "replay" / "recorded" / "default"
@@ -31,8 +31,8 @@ def test_recorded_drives(with_second_test, name):
         causes.update(results["alarm_cause"])
         hypotheses.update(results["fault_hypothesis"])
         largest = max(largest, np.abs(results["fault_estimate"]).max())
-    # It finds what the residual does not, or not yet, and says what.
-    assert SECOND_TEST in causes and STEERING in hypotheses
+    # It finds what the residual does not, or not yet, and says what: at the edges a small fault, which stays undecided.
+    assert SECOND_TEST in causes and (STEERING if name == "fault" else UNDECIDED) in hypotheses
     assert largest > 1e-3
 
 
