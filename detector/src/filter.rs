@@ -343,16 +343,18 @@ impl Kalman {
             let variance = by_v_y * by_v_y * p[1][1] + of_both + by_r * by_r * p[2][2];
             variance.max(0.0) / (v_x * v_x)
         };
-        let unknown = [
+        let mut unknown = [
             variance(c_f + c_r, turning),
             variance(turning, l_f * l_f * c_f + l_r * l_r * c_r),
             variance(c_f, l_f * c_f),
             variance(c_r, -l_r * c_r),
         ];
         let mut known = [across, moment, front, rear];
-        for (known, variance) in known.iter_mut().zip(unknown) {
+        let parameters = p.iter().enumerate().skip(MASS);
+        for ((known, unknown), (k, row)) in known.iter_mut().zip(&mut unknown).zip(parameters) {
             let square = *known * *known;
-            *known *= if square > variance { 1.0 - variance / square } else { 0.0 };
+            *known *= if square > *unknown { 1.0 - *unknown / square } else { 0.0 };
+            *unknown *= row.get(k).copied().unwrap_or(0.0);
         }
         let [of_mass, of_inertia, of_front, of_rear] = known;
 
@@ -413,13 +415,7 @@ impl Kalman {
         }
 
         // What is not modelled.
-        let [of_mass, of_inertia, of_front, of_rear] = {
-            let mut products = unknown;
-            for ((k, product), row) in products.iter_mut().enumerate().zip(p.iter().skip(MASS)) {
-                *product *= row.get(MASS + k).copied().unwrap_or(0.0);
-            }
-            products
-        };
+        let [by_mass, by_inertia, by_front, by_rear] = unknown;
         let uncertain = |force: f64, load: f64, held: f64| {
             // Force and load go together: the share that is missing is that at rest.
             let saturated = force * deficit(force / (load * held));
@@ -430,14 +426,14 @@ impl Kalman {
         };
         let behind = c_f * slowest_behind_rad;
         let [front_held, rear_held] = self.held_n;
-        let front = uncertain(front, front_load, front_held) + of_front + behind * behind;
-        let rear = uncertain(rear, rear_load, rear_held) + of_rear;
+        let front = uncertain(front, front_load, front_held) + by_front + behind * behind;
+        let rear = uncertain(rear, rear_load, rear_held) + by_rear;
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
         let both = (l_f * front - l_r * rear) * lightness * nimbleness;
         let bank = BANK_WALK * self.deviations[BANK];
         p[0][0] += t * LONGITUDINAL_NOISE * LONGITUDINAL_NOISE;
-        let turned = l_f * l_f * front + l_r * l_r * rear + of_inertia;
-        p[1][1] += t * (slopes + (front + rear + of_mass) * lightness * lightness);
+        let turned = l_f * l_f * front + l_r * l_r * rear + by_inertia;
+        p[1][1] += t * (slopes + (front + rear + by_mass) * lightness * lightness);
         p[2][2] += t * (slopes + turned * nimbleness * nimbleness);
         p[1][2] += t * both;
         p[2][1] += t * both;
@@ -451,13 +447,19 @@ impl Kalman {
         Transition { phi, of_fault: product(&held, &of_steering) }
     }
 
+    /// What is stated of each state but the motion, with that of a `gust`.
+    const fn bounds(&self, gust: f64) -> [f64; STATES] {
+        let mut bounds = self.deviations;
+        bounds[GUST] = gust;
+        bounds
+    }
+
     /// Keeps estimates within what is stated.
     fn bound(&self, x: &mut [f64; STATES], correction: &mut Correction) {
-        let gust = self.gust_deviation(x[0].max(SLOWEST));
+        let bounds = self.bounds(self.gust_deviation(x[0].max(SLOWEST)));
         let [of_v_x, of_r] = &mut correction.gains;
-        let states = x.iter_mut().zip(of_v_x.iter_mut().zip(of_r)).zip(&self.deviations);
-        for (k, ((x, (of_v_x, of_r)), bound)) in states.enumerate().skip(BANK) {
-            let bound = if k == GUST { gust } else { *bound };
+        let states = x.iter_mut().zip(of_v_x.iter_mut().zip(of_r)).zip(bounds);
+        for ((x, (of_v_x, of_r)), bound) in states.skip(BANK) {
             let within = x.max(-bound).min(bound);
             if within != *x {
                 *x = within;
@@ -471,12 +473,10 @@ impl Kalman {
         let mut factors = [1.0; STATES];
         let mut caps = false;
         let diagonal = p.iter().enumerate().map(|(k, row)| row.get(k).copied().unwrap_or(0.0));
-        for ((k, (factor, variance)), deviation) in
-            factors.iter_mut().zip(diagonal).enumerate().zip(&self.deviations)
-        {
-            let deviation = if k == GUST { gust } else { *deviation };
-            let largest = deviation * deviation;
-            if k >= BANK && variance > largest {
+        let states = factors.iter_mut().zip(diagonal).zip(self.bounds(gust));
+        for ((factor, variance), bound) in states.skip(BANK) {
+            let largest = bound * bound;
+            if variance > largest {
                 *factor = libm::sqrt(largest / variance);
                 caps = true;
             }
