@@ -20,7 +20,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::{all_finite, magnitude, product};
-use crate::axles::deficit;
+use crate::axles::{deficit, slope_deficit};
 use crate::{Gust, Measurement, Place, StateVector, TsModel, Uncertainty, Vehicle};
 
 /// States of the filter.
@@ -52,8 +52,11 @@ const FORCE_NOISE: f64 = 0.02;
 const GUST_S: f64 = 0.5;
 /// Slowest speed, m/s: one that noise has made smaller would count for too much in slip.
 const SLOWEST: f64 = 0.1;
-/// Standard deviation of the lateral speed at a start, m/s.
-const INITIAL_V_Y: f64 = 1.0;
+/// Slip angle of the rear axle at a start, rad, and what else moves it sideways then, m/s: standard deviations.
+const INITIAL_SLIP_RAD: f64 = 0.04;
+const INITIAL_V_Y: f64 = 0.1;
+/// Share that a tyre is taken to lose of what friction may take from it: it lies between none and all.
+const LOSS: f64 = 0.5;
 /// A filter whose innovation is this many standard deviations is lost: a wheel that turns by 20 degrees at
 /// once makes 80 of them.
 const LOST: f64 = 200.0;
@@ -243,7 +246,8 @@ impl Kalman {
         [x[1], x[2], x[GUST]] = [0.0, y.r_rad_per_s - x[YAW_RATE_BIAS], 0.0];
         let gust = self.gust_deviation(x[0]);
         p[0][0] = self.noise[0] * self.noise[0];
-        p[1][1] = INITIAL_V_Y * INITIAL_V_Y;
+        let v_y = INITIAL_V_Y + INITIAL_SLIP_RAD * x[0];
+        p[1][1] = v_y * v_y;
         p[2][2] = self.noise[1] * self.noise[1];
         p[GUST][GUST] = gust * gust;
     }
@@ -316,11 +320,20 @@ impl Kalman {
         let longitudinal = (u.t_eng_n_m - c_x * v_x * v_x) * quickness;
         // Of the torque: what the measured speed says of it comes late.
         let [front_load, rear_load] = v.load_factors(longitudinal);
-        let c_f = 2.0 * v.front_cornering_stiffness_n_per_rad * front_load * errors[2];
-        let c_r = 2.0 * v.rear_cornering_stiffness_n_per_rad * rear_load * errors[3];
+        let linear_f = 2.0 * v.front_cornering_stiffness_n_per_rad * front_load * errors[2];
+        let linear_r = 2.0 * v.rear_cornering_stiffness_n_per_rad * rear_load * errors[3];
         let delta_rad = (1.0 + x[RATIO]) * u.delta_rad + x[OFFSET] + fault_rad;
-        let front = c_f * (delta_rad - (v_y + l_f * r) / v_x);
-        let rear = c_r * (l_r * r - v_y) / v_x;
+        let slip_f = delta_rad - (v_y + l_f * r) / v_x;
+        let slip_r = (l_r * r - v_y) / v_x;
+        let [held_f, held_r] = self.held_n;
+        let used_f = linear_f * slip_f / (front_load * held_f);
+        let used_r = linear_r * slip_r / (rear_load * held_r);
+        let (missing_f, missing_r) = (deficit(used_f), deficit(used_r));
+        let front = linear_f * slip_f * (1.0 - LOSS * missing_f);
+        let rear = linear_r * slip_r * (1.0 - LOSS * missing_r);
+        // Slopes there, by slip angle.
+        let c_f = linear_f * (1.0 - LOSS * slope_deficit(used_f));
+        let c_r = linear_r * (1.0 - LOSS * slope_deficit(used_r));
         let drag = c_y * v_y * v_y;
         let across = front + rear - drag;
         let moment = l_f * front - l_r * rear;
@@ -349,7 +362,7 @@ impl Kalman {
             variance(c_f, l_f * c_f),
             variance(c_r, -l_r * c_r),
         ];
-        let mut known = [across, moment, front, rear];
+        let mut known = [across, moment, c_f * slip_f, c_r * slip_r];
         let parameters = p.iter().enumerate().skip(MASS);
         for ((known, unknown), (k, row)) in known.iter_mut().zip(&mut unknown).zip(parameters) {
             let square = *known * *known;
@@ -416,18 +429,17 @@ impl Kalman {
 
         // What is not modelled.
         let [by_mass, by_inertia, by_front, by_rear] = unknown;
-        let uncertain = |force: f64, load: f64, held: f64| {
-            // Force and load go together: the share that is missing is that at rest.
-            let saturated = force * deficit(force / (load * held));
+        let uncertain = |force: f64, load: f64, saturated: f64| {
             let transferred = self.load_transfer * (load - 1.0) * force;
             let noise = FORCE_NOISE * force;
             let lasting = magnitude(saturated) + magnitude(transferred);
             noise * noise + lasting * lasting
         };
         let behind = c_f * slowest_behind_rad;
-        let [front_held, rear_held] = self.held_n;
-        let front = uncertain(front, front_load, front_held) + by_front + behind * behind;
-        let rear = uncertain(rear, rear_load, rear_held) + by_rear;
+        let saturated_f = (1.0 - LOSS) * linear_f * slip_f * missing_f;
+        let saturated_r = (1.0 - LOSS) * linear_r * slip_r * missing_r;
+        let front = uncertain(front, front_load, saturated_f) + by_front + behind * behind;
+        let rear = uncertain(rear, rear_load, saturated_r) + by_rear;
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
         let both = (l_f * front - l_r * rear) * lightness * nimbleness;
         let bank = BANK_WALK * self.deviations[BANK];

@@ -39,8 +39,6 @@ const YOUNG: u64 = 20;
 const KNOWN_FOR_S: f64 = 10.0;
 /// Share of what bank and gust at their bounds look like that the statistic allows for.
 const LOOKS: f64 = 0.3;
-/// Time from the filter's start until onsets are looked at, s: the lateral speed is known then.
-const KNOWN_S: f64 = 0.5;
 /// Age of the youngest estimate that is held, s: older ones take bank and parameters for the fault.
 const SETTLED_S: f64 = 0.2;
 /// A fault is taken in sooner at a statistic of this many thresholds, as what a large one does is not linear for long, ...
@@ -230,8 +228,7 @@ pub(crate) struct OnsetTest {
     /// Samples between onsets, and age of the oldest.
     spacing: u64,
     oldest: u64,
-    /// The first onset, the age of one that is taken in, and how long that speaks.
-    first: u64,
+    /// The age of one that is taken in, and how long that speaks.
     settled: u64,
     known_for: u64,
     /// Samples for which a clear one is looked at first.
@@ -264,7 +261,6 @@ impl OnsetTest {
             estimate_factor,
             spacing: ((SPACING_S / period_s + 0.5) as u64).max(1),
             oldest: samples(OLDEST_S),
-            first: samples(KNOWN_S),
             settled: samples(SETTLED_S),
             known_for: samples(KNOWN_FOR_S),
             clear: samples(CLEAR_S).max(1),
@@ -464,9 +460,7 @@ impl OnsetTest {
                 transition.advance(&mut signature.error, k == 0);
             }
         }
-        if samples >= self.first
-            && let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none())
-        {
+        if let Some(free) = onsets.hypotheses.iter_mut().find(|x| x.onset.is_none()) {
             *free = Hypothesis { onset: Some(samples), ..Hypothesis::NONE };
         }
     }

@@ -6,8 +6,8 @@ mod common;
 
 use common::{STATED, u, y};
 use steerguard_detector::{
-    Configuration, Detector, Estimator, Filter, Hypothesis, Input, Measurement, STATES, State,
-    Uncertainty, Vehicle,
+    Configuration, Detector, Estimator, Filter, Hypothesis, Input, Measurement, Onsets, STATES,
+    State, Uncertainty, Vehicle,
 };
 
 /// Where every derivative is there: turning, braking, and with something known of each parameter.
@@ -88,17 +88,29 @@ fn sampled(
     *detector.state()
 }
 
-/// At X: the sum of the axle forces less the drag, their moment, and each; and what P leaves unknown of each, as a
-/// variance, by v_y and r.
+/// The force of a tyre half way between one without end and one that holds so much.
+fn half_held(linear: f64, held: f64) -> f64 {
+    0.5 * (linear + held * (linear / held).tanh())
+}
+
+/// At X: the sum of the axle forces less the drag, their moment, and what the stiffness makes of each; and what P
+/// leaves unknown of each, as a variance, by v_y and r.
 fn forces(told: &Configuration, p: &[[f64; STATES]; STATES]) -> ([f64; 4], [f64; 4]) {
     let v = told.model.vehicle;
     let (l_f, l_r) = (v.front_axle_distance_m, v.rear_axle_distance_m);
     let [v_x, v_y, r] = [X[0], X[1], X[2]];
     let delta_rad = (1.0 + X[9]) * BRAKES.delta_rad + X[10];
+    let friction = told.deviations.uncertainty.friction;
+    let [held_f, held_r] = v.axle_loads_n(0.0).map(|load| friction.unwrap_or(1e9) * load);
+    let slips = [delta_rad - (v_y + l_f * r) / v_x, (l_r * r - v_y) / v_x];
     let c_f = 2.0 * v.front_cornering_stiffness_n_per_rad * (1.0 + X[7]);
     let c_r = 2.0 * v.rear_cornering_stiffness_n_per_rad * (1.0 + X[8]);
-    let front = c_f * (delta_rad - (v_y + l_f * r) / v_x);
-    let rear = c_r * (l_r * r - v_y) / v_x;
+    let [front, rear] = [half_held(c_f * slips[0], held_f), half_held(c_r * slips[1], held_r)];
+    let slope = |c: f64, slip: f64, held: f64| {
+        let step = 1e-6;
+        (half_held(c * (slip + step), held) - half_held(c * (slip - step), held)) / (2.0 * step)
+    };
+    let [c_f, c_r] = [slope(c_f, slips[0], held_f), slope(c_r, slips[1], held_r)];
     let drag = v.lateral_drag_n_s2_per_m2 * v_y * v_y;
     let unknown = |by_front: f64, by_rear: f64| {
         let by_v_y = -(by_front * c_f + by_rear * c_r) / v_x;
@@ -107,7 +119,7 @@ fn forces(told: &Configuration, p: &[[f64; STATES]; STATES]) -> ([f64; 4], [f64;
     };
     let of = [(1.0, 1.0), (l_f, -l_r), (1.0, 0.0), (0.0, 1.0)];
     (
-        [front + rear - drag, l_f * front - l_r * rear, front, rear],
+        [front + rear - drag, l_f * front - l_r * rear, c_f * slips[0], c_r * slips[1]],
         of.map(|(by_front, by_rear)| unknown(by_front, by_rear)),
     )
 }
@@ -151,11 +163,17 @@ fn errors_go_on_as_the_mean_does_when_it_is_off() {
     // The mean's own derivative has a term of the second order in the period that Phi leaves out: half the period
     // times changes of A along the slope, up to 150 of A here.
     let period_s = 1e-5;
-    for noise in [[0.02, 0.002], BLIND] {
-        let told = told(period_s, noise);
+    let frictions = [None, Some(0.8)];
+    for (noise, friction) in [[0.02, 0.002], BLIND].into_iter().zip(frictions) {
+        let told = |period_s: f64| {
+            let mut told = told(period_s, noise);
+            told.deviations.uncertainty.friction = friction;
+            told
+        };
+        let p = sampled(&told(1e-9), covariance(0.0), shown(&X), |_| {}).filter.p;
+        let told = told(period_s);
         let (columns, of_fault) = transition(&told, covariance(0.0));
         // Of what a parameter does the share to which its force is known once the measurement is taken in.
-        let p = sampled(&self::told(1e-9, noise), covariance(0.0), shown(&X), |_| {}).filter.p;
         let (forces, unknown) = forces(&told, &p);
         let share = |i: usize, k: usize| {
             let of = if i > 0 { k.checked_sub(5) } else { None };
@@ -364,27 +382,30 @@ fn axle_forces_are_uncertain_by_friction_load_and_a_late_actuator() {
         stiffness[1] * (v.rear_axle_distance_m * X[2] - X[1]) / X[0],
     ];
     let mass = v.mass_kg * (1.0 + X[5]);
-    let of_forces = |shares: [f64; 2]| {
-        let variance = |k: usize| (forces[k] * shares[k]).powi(2) + (0.02 * forces[k]).powi(2);
+    // With a share that is lost, and may be so once more, of which a share moves.
+    let of_forces = |lost: [f64; 2], moved: [f64; 2]| {
+        let variance = |k: usize| {
+            let left = forces[k] * (1.0 - lost[k]);
+            (forces[k].abs() * lost[k] + left.abs() * moved[k]).powi(2) + (0.02 * left).powi(2)
+        };
         period_s * (0.03 * 0.03 + (variance(0) + variance(1)) / (mass * mass))
     };
     let plain = added(&|_| {});
-    near(plain, of_forces([0.0; 2]), 1e-9, plain, "noise alone");
+    near(plain, of_forces([0.0; 2], [0.0; 2]), 1e-9, plain, "noise alone");
 
-    // What is missing of a linear tyre's force where friction ends, and of the load that moves.
+    // Half of what is missing of a linear tyre's force where friction ends, and of the load that moves.
     let friction = [0, 1].map(|k| {
         let asked = forces[k] / (loads[k] * v.axle_loads_n(0.0)[k]);
-        1.0 - asked.tanh() / asked
+        0.5 * (1.0 - asked.tanh() / asked)
     });
     let moved = loads.map(|load| 0.2 * (load - 1.0).abs());
-    let both = [0, 1].map(|k| friction[k] + moved[k]);
     // The share that friction leaves is an approximation of its own, to 0.7 % of the force: here to 2 % of it.
     let found = added(&|u| u.friction = Some(1.0));
-    near(found, of_forces(friction), 0.02, found, "friction");
+    near(found, of_forces(friction, [0.0; 2]), 0.02, found, "friction");
     let found = added(&|u| u.load_transfer = 0.2);
-    near(found, of_forces(moved), 1e-9, found, "load");
+    near(found, of_forces([0.0; 2], moved), 1e-9, found, "load");
     let found = added(&|u| (u.friction, u.load_transfer) = (Some(1.0), 0.2));
-    near(found, of_forces(both), 0.02, found, "both");
+    near(found, of_forces(friction, moved), 0.02, found, "both");
 
     // The slowest actuator has just begun to follow: its mean over the sample.
     let late_rad = BRAKES.delta_rad * lag_s / period_s * (1.0 - (-period_s / lag_s).exp());
@@ -427,11 +448,12 @@ fn a_start_forgets_the_motion_and_keeps_the_rest() {
     told.deviations.uncertainty.gust.coefficient_n_s2_per_m2 *= 10.0;
     let p = covariance(0.0);
     let seen = y(18.0, 0.2);
-    let Filter { x, p: found } = sampled(&told, p, seen, |state| state.onsets.samples = 0).filter;
+    let Filter { x, p: found } =
+        sampled(&told, p, seen, |state| state.onsets = Onsets::NONE).filter;
     let mut expected = X;
     (expected[0], expected[1], expected[2], expected[4]) = (18.0 / 1.01, 0.0, 0.2 - 0.005, 0.0);
     let gust = told.deviations.uncertainty.gust.side_force(expected[0]) / Vehicle::PAPER.mass_kg;
-    let first = [noise[0], 1.0, noise[1], 0.0, gust];
+    let first = [noise[0], 0.1 + 0.04 * expected[0], noise[1], 0.0, gust];
     for i in 0..STATES {
         near(x[i], expected[i], 1e-7, 1.0, &format!("state {i}"));
         for j in 0..STATES {

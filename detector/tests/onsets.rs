@@ -139,15 +139,14 @@ fn onsets_are_a_twentieth_of_a_second_apart_and_up_to_a_fifth_old_the_young_a_sa
         told.model.sampling_period_s = period_s;
         let mut detector = Detector::new(&told).unwrap();
         let (y, u) = straight();
-        let first = (0.5 / period_s) as u64;
-        for samples in 1..=3 * first {
+        for samples in 1..=3 * oldest {
             detector.sample(y, u);
             let state = detector.state();
             assert_eq!(state.onsets.samples, samples);
             let mut found: Vec<u64> =
                 state.onsets.hypotheses.iter().filter_map(|x| x.onset).collect();
             found.sort_unstable();
-            let oldest = samples.saturating_sub(oldest).max(first);
+            let oldest = samples.saturating_sub(oldest).max(1);
             let is_due = |x: &u64| x.is_multiple_of(spacing) || samples - x <= YOUNG;
             let expected: Vec<u64> = (oldest..=samples).filter(is_due).collect();
             // And what explains most, which may be between.

@@ -19,12 +19,13 @@ LEARNED = [BANK, *range(MASS, STATES)]  # kept through a start
 BANK_WALK, WALK = 2.0, 0.017  # of a bound, which counts as a standard deviation, per root of s
 GUST_S = 0.5  # in which the gust walks by root 2 of its bound
 SLOPE_NOISE, FORCE_NOISE = np.array([0.1, 0.03, 0.03]), 0.02
-INITIAL_V_Y = 1.0
+INITIAL_V_Y, INITIAL_SLIP = 0.1, 0.04  # at a start the rear axle slips by that
+LOSS = 0.5  # share taken to be lost of what friction may take
 LOST, LOST_V_Y, LOST_R = 200.0, 50.0, 20.0
 SPACING_S, OLDEST_S = 0.05, 0.2
 KNOWN_FOR_S = 10.0
 LOOKS = 0.3  # of what bank and gust at their bounds look like
-KNOWN_S, SETTLED_S = 0.5, 0.2
+SETTLED_S = 0.2
 CLEAR, GONE, RELEASE = 3.0, 0.2, 0.8
 CLEAR_S = 0.1
 STEPS = 4  # of the iteration for the angle behind a force that friction limits
@@ -32,6 +33,12 @@ YOUNG = 20  # samples at each of which an onset is looked at
 CLEARER, CLEARER_BY = 12.0, 0.02
 NOT_KNOWN, STEERING, YAW_RATE_SENSOR, SPEED_SENSOR, UNDECIDED = 1, 2, 3, 4, 5  # items of fault_hypothesis
 LARGEST_FAULT = 1.6
+
+
+def missing(x):
+    """The share of a linear tyre's force that is missing where it asks for x times what friction holds."""
+    square = x**2
+    return square * (35 + square) / (105 + 45 * square + square**2)
 
 
 class SecondTest:
@@ -49,8 +56,7 @@ class SecondTest:
         ]  # fmt: skip
         self.deviations = bounds
         self.spacing, self.oldest = max(int(SPACING_S / period + 0.5), 1), int(OLDEST_S / period)
-        self.first, self.settled = int(KNOWN_S / period), int(SETTLED_S / period)
-        self.known_for = int(KNOWN_FOR_S / period)
+        self.settled, self.known_for = int(SETTLED_S / period), int(KNOWN_FOR_S / period)
         self.clear_for = max(int(CLEAR_S / period), 1)
         self.forget()
 
@@ -82,22 +88,35 @@ class SecondTest:
         slips = on_axles / (2 * np.array(stiffnesses))
         return abs(slips[0] - slips[1])
 
-    def axle_forces(self, x, steering, loads):
+    def slips(self, x, steering, fault):
+        """Of both axles, with the road wheel off by `fault`, whatever the ratio."""
         v = self.vehicle
         v_x = x[V_X] if x[V_X].real > 0.1 else 0.1
-        front = (1 + x[RATIO]) * steering + x[OFFSET]
+        front = (1 + x[RATIO]) * steering + x[OFFSET] + fault
         front = front - (x[V_Y] + v["front_axle_distance_m"] * x[R]) / v_x
-        rear = (v["rear_axle_distance_m"] * x[R] - x[V_Y]) / v_x
-        return [
-            2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * front,
-            2 * v["rear_cornering_stiffness_n_per_rad"] * loads[1] * (1 + x[REAR]) * rear,
-        ]
+        return np.array([front, (v["rear_axle_distance_m"] * x[R] - x[V_Y]) / v_x])
+
+    def linear(self, x, slips, loads):
+        """Forces of axles on tyres without end."""
+        v = self.vehicle
+        stiffnesses = [v["front_cornering_stiffness_n_per_rad"], v["rear_cornering_stiffness_n_per_rad"]]
+        return 2 * np.array(stiffnesses) * loads * (1 + x[[FRONT, REAR]]) * slips
+
+    def taken(self, x, slips, loads):
+        """What the least friction takes from them."""
+        v = self.vehicle
+        l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
+        held = self.uncertainty.friction * v["mass_kg"] * GRAVITY * np.array([l_r, l_f]) / (l_f + l_r)
+        forces = self.linear(x, slips, loads)
+        return forces * missing(forces / (held * loads))
+
+    def axle_forces(self, x, slips, loads):
+        return self.linear(x, slips, loads) - LOSS * self.taken(x, slips, loads)
 
     def slope(self, x, u, fault, loads):
-        """d[v_x, v_y, r]/dt with the road wheel off by `fault`, whatever the ratio."""
+        """d[v_x, v_y, r]/dt with the road wheel off by `fault`."""
         v, q = self.vehicle, self.uncertainty
-        front, rear = self.axle_forces(x, u[1], loads)
-        front = front + 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * fault
+        front, rear = self.axle_forces(x, self.slips(x, u[1], fault), loads)
         mass, inertia = v["mass_kg"] * (1 + x[MASS]), v["yaw_inertia_kg_m2"] * (1 + x[YAW_INERTIA])
         drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * x[V_X] ** 2
         drag = v["lateral_drag_n_s2_per_m2"] * x[V_Y] ** 2
@@ -126,7 +145,8 @@ class SecondTest:
         kept[LEARNED] = 1
         self.P = self.P * np.outer(kept, kept)
         self.x[[V_X, V_Y, R, GUST]] = y[0] / (1 + self.x[SPEED_SCALE]), 0, y[1] - self.x[YAW_RATE_BIAS], 0
-        fresh = [self.noise[0], INITIAL_V_Y**2, self.noise[1], self.gust_variance(self.x[V_X])]
+        v_y = INITIAL_V_Y + INITIAL_SLIP * self.x[V_X]
+        fresh = [self.noise[0], v_y**2, self.noise[1], self.gust_variance(self.x[V_X])]
         self.P[[V_X, V_Y, R, GUST], [V_X, V_Y, R, GUST]] = fresh
 
     def _update(self, y, factor):
@@ -212,18 +232,20 @@ class SecondTest:
         drive = u[0] - v["longitudinal_drag_n_m_s2_per_m2"] * max(self.x[V_X], 0.1) ** 2
         a_x = drive / (v["effective_longitudinal_inertia_kg_m"] * (1 + self.x[MASS]))
         moved = a_x * v["centre_of_gravity_height_m"] / GRAVITY
-        loads = [max(1 - moved / l_r, 0.1), max(1 + moved / l_f, 0.1)]
+        loads = np.array([max(1 - moved / l_r, 0.1), max(1 + moved / l_f, 0.1)])
         x, held = self.x, self.held
         A = np.empty((3, STATES))
         for k in range(STATES):
             step = x.astype(complex)
             step[k] += 1e-30j
             A[:, k] = self.slope(step, u, held, loads).imag / 1e-30
-        forces = self.axle_forces(x, u[1], loads)
-        forces[0] += 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * held
-        unknown = self.unknown_forces(x, loads)
-        # Of a parameter's column the share that its force is known to: of the sum, the moment, front and rear.
-        sums = [sum(forces) - v["lateral_drag_n_s2_per_m2"] * x[V_Y] ** 2, l_f * forces[0] - l_r * forces[1], *forces]
+        slips = self.slips(x, u[1], held)
+        forces = self.axle_forces(x, slips, loads)
+        stiffnesses = self.axle_forces(x, slips + 1e-30j, loads).imag / 1e-30
+        unknown = self.unknown_forces(stiffnesses, x[V_X])
+        # Of a parameter's column the share that its force is known to: of the sum, the moment, front and rear slope.
+        moment = l_f * forces[0] - l_r * forces[1]
+        sums = [sum(forces) - v["lateral_drag_n_s2_per_m2"] * x[V_Y] ** 2, moment, *(stiffnesses * slips)]
         for k, force, variance in zip([MASS, YAW_INERTIA, FRONT, REAR], sums, unknown):
             A[1:, k] *= 1 - variance / force**2 if force**2 > variance else 0.0
         by_fault = self.slope(x.astype(complex), u, held + 1e-30j, loads).imag / 1e-30
@@ -236,7 +258,7 @@ class SecondTest:
         self.x[:3] += over @ self.slope(x, u, held, loads)
         self.P = Phi @ self.P @ Phi.T
         self.P = (self.P + self.P.T) / 2
-        self.P += self._noise(x, forces, loads, behind, unknown)
+        self.P += self._noise(x, forces, self.taken(x, slips, loads), stiffnesses[0] * behind, loads, unknown)
 
         self.samples += 1
         explained = [self.explained(k) for k in range(3)]
@@ -248,8 +270,7 @@ class SecondTest:
         for hypothesis in self.hypotheses:
             hypothesis[1] = hypothesis[1] @ Phi.T
             hypothesis[1][0, :3] += over @ by_fault
-        if self.samples >= self.first:
-            self.hypotheses.append([self.samples, np.zeros((3, STATES)), np.zeros(3), np.zeros(3)])
+        self.hypotheses.append([self.samples, np.zeros((3, STATES)), np.zeros(3), np.zeros(3)])
 
     def on_grid(self, hypothesis):
         return hypothesis[0] % self.spacing == 0
@@ -266,28 +287,21 @@ class SecondTest:
             return UNDECIDED
         return [STEERING, YAW_RATE_SENSOR, SPEED_SENSOR][int(np.argmax(most))]
 
-    def unknown_forces(self, x, loads):
+    def unknown_forces(self, stiffnesses, v_x):
         """Variances of the axle forces' sum and moment, and of the front and the rear force, by those of v_y and r."""
         v = self.vehicle
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
-        front = -2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT]) * np.array([1, l_f])
-        rear = -2 * v["rear_cornering_stiffness_n_per_rad"] * loads[1] * (1 + x[REAR]) * np.array([1, -l_r])
-        by_state = np.array([front + rear, l_f * front - l_r * rear, front, rear]) / max(x[V_X], 0.1)
+        front, rear = -stiffnesses[0] * np.array([1, l_f]), -stiffnesses[1] * np.array([1, -l_r])
+        by_state = np.array([front + rear, l_f * front - l_r * rear, front, rear]) / max(v_x, 0.1)
         return np.diag(by_state @ self.P[V_Y : R + 1, V_Y : R + 1] @ by_state.T)
 
-    def _noise(self, x, forces, loads, behind, unknown):
+    def _noise(self, x, forces, taken, behind, loads, unknown):
         v, q, t = self.vehicle, self.uncertainty, self.period
         l_f, l_r = v["front_axle_distance_m"], v["rear_axle_distance_m"]
         mass, inertia = v["mass_kg"] * (1 + x[MASS]), v["yaw_inertia_kg_m2"] * (1 + x[YAW_INERTIA])
-        static = v["mass_kg"] * GRAVITY * np.array([l_r, l_f]) / (l_f + l_r)
-        intensities = []
-        for force, load, share in zip(forces, static, loads):
-            square = (force / (share * q.friction * load)) ** 2
-            missing = abs(force) * square * (35 + square) / (105 + 45 * square + square**2)
-            lasting = missing + abs(q.load_transfer * (share - 1) * force)
-            intensities.append((FORCE_NOISE * force) ** 2 + lasting**2)
-        stiffness = 2 * v["front_cornering_stiffness_n_per_rad"] * loads[0] * (1 + x[FRONT])
-        intensities[0] += (stiffness * behind) ** 2
+        lasting = np.abs((1 - LOSS) * taken) + np.abs(q.load_transfer * (loads - 1) * forces)
+        intensities = (FORCE_NOISE * forces) ** 2 + lasting**2
+        intensities[0] += behind**2
         # Products of what is unknown of a force and of its parameter.
         of_mass, of_inertia, of_front, of_rear = unknown * np.diag(self.P)[MASS : REAR + 1]
         intensities = [intensities[0] + of_front, intensities[1] + of_rear]
@@ -316,9 +330,8 @@ class SecondTest:
         held = q.friction * v["mass_kg"] * GRAVITY * l_r / (l_f + l_r)
         angle = found
         for _ in range(STEPS):
-            square = (2 * v["front_cornering_stiffness_n_per_rad"] * angle / held) ** 2
-            missing = square * (35 + square) / (105 + 45 * square + square**2)
-            angle = min(found / (1 - missing), LARGEST_FAULT)
+            left = 1 - missing(2 * v["front_cornering_stiffness_n_per_rad"] * angle / held)
+            angle = min(found / left, LARGEST_FAULT)
         return angle - found
 
     def speaks(self, factor):

@@ -455,10 +455,8 @@ fn evaluate(
     let found = threshold::threshold(spec, drives, theorem, gains, &configuration, progress)?;
     let Threshold { threshold, uncertainty_share, .. } = found;
     let evaluation = Evaluation { threshold, uncertainty_share, ..configuration.evaluation };
-    // The margin once for drives that were not driven, once for what a short search misses.
     let of_second = |x: &SecondLevels| {
-        let threshold = e.margin * e.margin * x.largest(&found.recorded);
-        model::estimator(spec, threshold, x.in_99_of_100)
+        model::estimator(spec, x.threshold(e.margin, &found.recorded), x.in_99_of_100)
     };
     let estimator = found.second.as_ref().and_then(of_second);
     let detector = Configuration { evaluation, estimator, ..configuration };

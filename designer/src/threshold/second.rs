@@ -10,7 +10,7 @@ use crate::threshold::searched::{Searched, largest, searched};
 use crate::worst::{Objective, UNREACHED};
 
 /// Drives of a family over those of the search for the residual's worst: this statistic's lie further apart.
-const FURTHER: u64 = 4;
+const FURTHER: u64 = 16;
 
 /// The largest statistics of the second test without a fault.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ const FURTHER: u64 = 4;
 pub struct SecondLevels {
     /// Of the calibration's drives of uncertain vehicles.
     pub calibration: Level,
-    /// What 99 of 100 of these drives stay below.
+    /// What these drives stay below in 99 of 100 seconds.
     pub in_99_of_100: f64,
     /// The largest that a short search found, family by family.
     pub search: Vec<Searched>,
@@ -27,8 +27,8 @@ pub struct SecondLevels {
 
 impl SecondLevels {
     /// Those of a detector with `configuration`, whose second test has a threshold that no drive reaches, and
-    /// `at_random` of the calibration's drives: the largest ratio to that threshold, and what 99 of 100 stay
-    /// below.
+    /// `at_random` of the calibration's drives: the largest ratio to that threshold, and what they stay below in
+    /// 99 of 100 seconds.
     ///
     /// # Errors
     /// [`ConfigurationError`] where the detector cannot run with `configuration`.
@@ -47,9 +47,11 @@ impl SecondLevels {
         })
     }
 
-    /// The largest of all, with those of `recorded` drives.
-    pub fn largest(&self, recorded: &[Recorded]) -> f64 {
+    /// The threshold: `margin` over the largest that was found by search, or `margin` twice over that of
+    /// the drives at random and of `recorded` ones, as nothing was looked for there.
+    pub fn threshold(&self, margin: f64, recorded: &[Recorded]) -> f64 {
         let recorded = recorded.iter().filter_map(|drive| drive.second);
-        recorded.fold(self.calibration.level.max(largest(&self.search)), f64::max)
+        let driven = recorded.fold(self.calibration.level, f64::max);
+        margin * largest(&self.search).max(margin * driven)
     }
 }

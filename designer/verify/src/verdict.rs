@@ -171,7 +171,7 @@ fn unchecked(design: &Design, proof: &Proof) -> Vec<String> {
     unchecked.extend(threshold.searched.iter().map(|of_family| found("searched", of_family)));
     if let Some(levels) = &threshold.second {
         unchecked.push(format!(
-            "`threshold.second.in_99_of_100`: {}, what 99 of 100 of these drives stay below",
+            "`threshold.second.in_99_of_100`: {}, what these drives stay below in 99 of 100 seconds",
             levels.in_99_of_100
         ));
         let of_families = levels.search.iter();

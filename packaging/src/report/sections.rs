@@ -121,8 +121,8 @@ fn second(estimator: Option<&Estimator>, sentences: &[String]) -> String {
                  the road wheel is off by since some sample. <code>second_ratio</code> is the statistic of the likeliest \
                  over its threshold, {threshold:.3}; from 1 on the alarm is raised, <code>alarm_cause</code> SecondTest, \
                  and <code>fault_estimate</code> is the angle, which acts from <code>fault_onset_time</code> on. \
-                 <code>fault_estimate_bound</code> is what its error stays below in 99 of 100 drives like those of the \
-                 calibration (statistic {estimate_factor:.3}).</p>"
+                 <code>fault_estimate_bound</code> is what its error stays below in 99 of 100 seconds of drives like those \
+                 of the calibration (statistic {estimate_factor:.3}).</p>"
             );
         }
     }
