@@ -104,7 +104,13 @@ fn a_bias_is_found_at_once_with_its_size_and_its_onset() {
         assert!(outputs[first..].iter().all(|x| x.alarm), "it stays");
         let late = outputs[530].estimate.unwrap();
         let error = (late.fault_rad.to_degrees() - deg).abs();
-        assert!(error <= late.bound_rad.to_degrees() && error < 0.25, "{deg} deg: {late:?}");
+        // This car's tyres have no end, and the filter takes them to lose half of what a friction of 1 takes.
+        let v = Vehicle::PAPER;
+        let linear = 2.0 * v.front_cornering_stiffness_n_per_rad * deg.to_radians();
+        let used = linear / v.axle_loads_n(0.0)[0];
+        let half_lost = 0.5 * (1.0 - used.tanh() / used) * f64::abs(deg);
+        assert!(error < 0.25 + half_lost, "{deg} deg: {late:?}");
+        assert!(error <= late.bound_rad.to_degrees(), "{deg} deg: {late:?}");
         assert!((490..=512).contains(&late.onset), "{late:?}");
     }
 }
