@@ -47,11 +47,11 @@ impl SecondLevels {
         })
     }
 
-    /// The threshold: `margin` over the largest that was found by search, or `margin` twice over that of
-    /// the drives at random and of `recorded` ones, as nothing was looked for there.
+    /// The threshold: `margin` over the largest of all, with those of `recorded` drives, twice: once for drives
+    /// that were not driven, once for what a short search misses.
     pub fn threshold(&self, margin: f64, recorded: &[Recorded]) -> f64 {
         let recorded = recorded.iter().filter_map(|drive| drive.second);
-        let driven = recorded.fold(self.calibration.level, f64::max);
-        margin * largest(&self.search).max(margin * driven)
+        let simulated = self.calibration.level.max(largest(&self.search));
+        margin * margin * recorded.fold(simulated, f64::max)
     }
 }

@@ -106,8 +106,8 @@ fn threshold(design: &Design) -> Result<(), Refusal> {
     same("threshold.second, whether there is one", &second.is_some(), &runs)?;
     if let Some((levels, estimator)) = second.zip(estimator) {
         let recorded = causes.recorded.iter().filter_map(|drive| drive.second);
-        let driven = recorded.fold(levels.calibration.level, f64::max);
-        let covered = margin * largest(&levels.search).max(margin * driven);
+        let simulated = levels.calibration.level.max(largest(&levels.search));
+        let covered = margin * margin * recorded.fold(simulated, f64::max);
         near("detector.estimator.threshold", estimator.threshold, covered)?;
         let key = "detector.estimator.estimate_factor";
         near(key, estimator.estimate_factor, levels.in_99_of_100)?;

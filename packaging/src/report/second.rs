@@ -57,8 +57,8 @@ impl Second {
             Self::Runs(SecondTest { threshold, levels, .. }) => {
                 let SecondLevels { calibration, in_99_of_100, search } = levels;
                 let mut sentences = vec![format!(
-                    "{margin} x the larger of two statistics without a fault: {margin} x {:.3} in {} drives at random ({:.3} in \
-                     99 of 100 seconds), {:.3} found by a search of {} drives",
+                    "{margin} x {margin} x the largest statistic without a fault: {:.3} in {} drives at random ({:.3} in 99 of \
+                     100 seconds), {:.3} found by a search of {} drives",
                     calibration.level,
                     calibration.drives,
                     in_99_of_100,
