@@ -178,6 +178,30 @@ impl Transition {
     }
 }
 
+/// What an axle is taken to do.
+struct Axle {
+    /// Lateral force, N.
+    force: f64,
+    /// Its slope by the slip angle, N/rad.
+    slope: f64,
+    /// What friction may take from the force beyond what it is taken to, N.
+    at_stake: f64,
+}
+
+impl Axle {
+    /// Of this stiffness in N/rad at a slip angle in rad, where friction holds so much, N.
+    fn of(stiffness: f64, slip_rad: f64, held_n: f64) -> Self {
+        let linear = stiffness * slip_rad;
+        let used = linear / held_n;
+        let missing = deficit(used);
+        Self {
+            force: linear * (1.0 - LOSS * missing),
+            slope: stiffness * (1.0 - LOSS * slope_deficit(used)),
+            at_stake: (1.0 - LOSS) * linear * missing,
+        }
+    }
+}
+
 /// The filter of a vehicle: what no sample changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kalman {
@@ -320,20 +344,17 @@ impl Kalman {
         let longitudinal = (u.t_eng_n_m - c_x * v_x * v_x) * quickness;
         // Of the torque: what the measured speed says of it comes late.
         let [front_load, rear_load] = v.load_factors(longitudinal);
-        let linear_f = 2.0 * v.front_cornering_stiffness_n_per_rad * front_load * errors[2];
-        let linear_r = 2.0 * v.rear_cornering_stiffness_n_per_rad * rear_load * errors[3];
+        let linear = [
+            2.0 * v.front_cornering_stiffness_n_per_rad * front_load * errors[2],
+            2.0 * v.rear_cornering_stiffness_n_per_rad * rear_load * errors[3],
+        ];
         let delta_rad = (1.0 + x[RATIO]) * u.delta_rad + x[OFFSET] + fault_rad;
         let slip_f = delta_rad - (v_y + l_f * r) / v_x;
         let slip_r = (l_r * r - v_y) / v_x;
-        let [held_f, held_r] = self.held_n;
-        let used_f = linear_f * slip_f / (front_load * held_f);
-        let used_r = linear_r * slip_r / (rear_load * held_r);
-        let (missing_f, missing_r) = (deficit(used_f), deficit(used_r));
-        let front = linear_f * slip_f * (1.0 - LOSS * missing_f);
-        let rear = linear_r * slip_r * (1.0 - LOSS * missing_r);
-        // Slopes there, by slip angle.
-        let c_f = linear_f * (1.0 - LOSS * slope_deficit(used_f));
-        let c_r = linear_r * (1.0 - LOSS * slope_deficit(used_r));
+        let Axle { force: front, slope: c_f, at_stake: front_at_stake } =
+            Axle::of(linear[0], slip_f, front_load * self.held_n[0]);
+        let Axle { force: rear, slope: c_r, at_stake: rear_at_stake } =
+            Axle::of(linear[1], slip_r, rear_load * self.held_n[1]);
         let drag = c_y * v_y * v_y;
         let across = front + rear - drag;
         let moment = l_f * front - l_r * rear;
@@ -429,17 +450,15 @@ impl Kalman {
 
         // What is not modelled.
         let [by_mass, by_inertia, by_front, by_rear] = unknown;
-        let uncertain = |force: f64, load: f64, saturated: f64| {
+        let uncertain = |force: f64, load: f64, at_stake: f64| {
             let transferred = self.load_transfer * (load - 1.0) * force;
             let noise = FORCE_NOISE * force;
-            let lasting = magnitude(saturated) + magnitude(transferred);
+            let lasting = magnitude(at_stake) + magnitude(transferred);
             noise * noise + lasting * lasting
         };
         let behind = c_f * slowest_behind_rad;
-        let saturated_f = (1.0 - LOSS) * linear_f * slip_f * missing_f;
-        let saturated_r = (1.0 - LOSS) * linear_r * slip_r * missing_r;
-        let front = uncertain(front, front_load, saturated_f) + by_front + behind * behind;
-        let rear = uncertain(rear, rear_load, saturated_r) + by_rear;
+        let front = uncertain(front, front_load, front_at_stake) + by_front + behind * behind;
+        let rear = uncertain(rear, rear_load, rear_at_stake) + by_rear;
         let slopes = SLOPE_NOISE * SLOPE_NOISE;
         let both = (l_f * front - l_r * rear) * lightness * nimbleness;
         let bank = BANK_WALK * self.deviations[BANK];
