@@ -30,9 +30,10 @@ pub(crate) fn deficit(x: f64) -> f64 {
     fraction / (1.0 + fraction)
 }
 
-/// `d(x deficit(x)) / dx`, the share that is missing of a linear tyre's slope.
+/// `d(x deficit(x)) / dx`, the share that is missing of a linear tyre's slope: the derivative of that fraction.
 pub(crate) fn slope_deficit(x: f64) -> f64 {
     let square = x * x;
-    let root = 105.0 + square * (45.0 + square);
-    deficit(x) + 2.0 * square * (3675.0 + square * (210.0 + 10.0 * square)) / (root * root)
+    let denominator = 105.0 + square * (45.0 + square);
+    let numerator = 2.0 * square * (3675.0 + square * (210.0 + 10.0 * square));
+    deficit(x) + numerator / (denominator * denominator)
 }
